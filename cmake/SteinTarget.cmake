@@ -1,0 +1,11 @@
+# SPDX-License-Identifier: Apache-2.0
+# What every target of the project has in common: language level, warnings, sanitizers.
+function(stein_target name)
+  target_compile_features(${name} PUBLIC cxx_std_20)
+  set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+  target_compile_options(${name} PRIVATE -Wall -Wextra -Wpedantic -Wconversion -Wshadow $<$<BOOL:${STEIN_WERROR}>:-Werror>)
+  if(STEIN_SANITIZE)
+    target_compile_options(${name} PUBLIC -fsanitize=${STEIN_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+    target_link_options(${name} PUBLIC -fsanitize=${STEIN_SANITIZE})
+  endif()
+endfunction()

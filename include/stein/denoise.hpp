@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The main job: a noisy frame in; a clean image, the error it still has, and where samples are worth most, out.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "stein/density.hpp"
+#include "stein/execution.hpp"
+#include "stein/filters.hpp"
+#include "stein/frame.hpp"
+#include "stein/plane.hpp"
+
+namespace stein {
+
+/// How the candidates' estimated errors become one image.
+enum class Selection : std::uint8_t {
+  kArgmin,  ///< SBF sec. 4.2: the candidate of least smoothed risk
+  kBlend,   ///< a mixture weighted by how sure the smoothed risks are
+};
+
+struct DenoiseParams {
+  FilterSpec filter = CrossBilateralParams{};
+  Selection selection = Selection::kBlend;
+  float strength = 1.0F;  ///< [0..1]: 1 the reconstruction, 0 the input; between: a linear mix. The error is that of the mix.
+  /// Throw on the first unusable pixel or feature value instead of repairing and counting it.
+  bool strict = false;
+  DensityParams density;
+  /// Luminance of the frame's RGB; the default is Rec. 709.
+  std::array<float, 3> luminance_weights = {0.2126F, 0.7152F, 0.0722F};
+  Execution execution;
+};
+
+/// Wall-clock seconds of one stage.
+struct StageSeconds {
+  std::string name;
+  double seconds = 0;
+};
+
+struct DenoiseReport {
+  FrameReport frame;
+  std::vector<std::string> candidates;        ///< entry names; index = value of the choice plane; 0 is the unfiltered input
+  std::vector<double> choice_share;           ///< fraction of pixels whose largest weight is that entry's
+  std::array<double, 3> mean_error{};         ///< mean over the image of the estimated squared error, per channel
+  double mean_relative_error = 0;             ///< mean of error / (result^2 + 0.01) over pixels and channels
+  std::string risk;                           ///< the risk estimate that was used, such as "SURE"
+  std::vector<std::string> warnings;          ///< in words, for people
+  std::vector<StageSeconds> stages;
+  std::string instruction_set;                ///< of the kernels, such as "AVX3"
+};
+
+/// All planes have the frame's size.
+struct DenoiseResult {
+  std::array<Plane, 3> colour;
+  /// Estimated squared error of `colour`, smoothed. Can be below 0: the estimate is kept free of that bias.
+  std::array<Plane, 3> error;
+  Plane choice;   ///< index of the entry with the largest weight, see DenoiseReport::candidates
+  Plane density;  ///< SBF Eq. 9, relative: >= 0, mean 1 (all 1 where nothing is left to gain anywhere)
+  DenoiseReport report;
+};
+
+/// Filters, estimates the risk of every candidate, selects, and derives the density. Deterministic: bit-identical for
+/// any thread count and tile size on one instruction set. Memory beyond the result: rows only, not images.
+/// @throws Error kInvalidFrame, kInvalidArgument, kCancelled.
+[[nodiscard]] DenoiseResult denoise(const Frame& frame, const DenoiseParams& params = {});
+
+/// @throws Error kInvalidArgument naming the parameter, its value and its range.
+void check(const DenoiseParams& params);
+
+}  // namespace stein

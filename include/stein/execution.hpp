@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+
+namespace stein {
+
+/// How to run, never what to compute: results are bit-identical for every setting here.
+struct Execution {
+  /// 0: work in the task arena of the calling thread, as it is. n >= 1: at most n threads, the calling one included.
+  int threads = 0;
+  int tile_width = 0;   ///< [0, 16..4096] px; 0: default
+  int tile_height = 0;  ///< [0, 1..4096] px; 0: default
+  /// Called with the fraction done in [0, 1], never decreasing, one call at a time, from any working thread.
+  /// Return false to cancel: the call in progress ends within about one tile and throws Error kCancelled.
+  std::function<bool(double)> progress;
+};
+
+}  // namespace stein

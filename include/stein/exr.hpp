@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// stein::exr: frames from OpenEXR files and results into them (link stein::exr). Schema: docs/inputs.md.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "stein/denoise.hpp"
+#include "stein/frame.hpp"
+#include "stein/plane.hpp"
+
+namespace stein::exr {
+
+/// One channel of a file and what was made of it.
+struct ChannelInfo {
+  std::string part;  ///< name of the part; empty in single-part files
+  std::string name;  ///< as in the file, such as "albedo.variance.R"
+  std::string type;  ///< "half", "float" or "uint"
+  std::string role;  ///< in words, such as "feature albedo, variance of the mean"; empty: not used, carried over
+};
+
+struct ReadOptions {
+  /// Samples per pixel where the file has no `sampleCount` channel; 0: none given.
+  float samples_per_pixel = 0;
+  bool read_covariances = true;
+  bool read_extra_layers = false;  ///< alpha and further colour layers into the Frame
+};
+
+/// A frame read from a file together with the memory that its views look at. Movable; the views stay valid.
+class LoadedFrame {
+ public:
+  LoadedFrame();
+  LoadedFrame(LoadedFrame&&) noexcept;
+  LoadedFrame& operator=(LoadedFrame&&) noexcept;
+  ~LoadedFrame();
+
+  [[nodiscard]] const Frame& frame() const noexcept;
+  [[nodiscard]] const std::vector<ChannelInfo>& channels() const noexcept;  ///< all channels of all parts
+  [[nodiscard]] const std::string& path() const noexcept;
+  [[nodiscard]] std::array<int, 4> data_window() const noexcept;  ///< min x, min y, max x, max y of the part with the colour
+  /// Y of the file's RGB primaries (attribute `chromaticities`), Rec. 709 where it has none.
+  [[nodiscard]] std::array<float, 3> luminance_weights() const noexcept;
+  /// Row-major 3x3 matrix from the file's RGB to linear Rec. 709 (no chromatic adaptation beyond the white points' own).
+  [[nodiscard]] std::array<float, 9> to_rec709() const noexcept;
+  /// What the schema knows of and the file lacks, in words with the consequence.
+  [[nodiscard]] const std::vector<std::string>& missing() const noexcept;
+
+  struct Data;
+
+ private:
+  friend LoadedFrame read_frame(const std::string& path, const ReadOptions& options);
+  std::unique_ptr<Data> data_;
+};
+
+/// Reads the native schema from a single- or multi-part, scanline or tiled file of half, float or uint channels.
+/// @throws Error kIo (cannot open, truncated), kUnsupported (deep, subsampled), kInvalidFrame (planes missing), naming file and channel.
+[[nodiscard]] LoadedFrame read_frame(const std::string& path, const ReadOptions& options = {});
+
+/// Any planes of a file by full channel names, whatever the schema: for comparing and looking.
+struct NamedPlanes {
+  std::vector<std::string> names;
+  std::vector<Plane> planes;
+  std::array<int, 4> data_window{};
+  std::array<float, 9> to_rec709{};
+};
+
+/// Reads the channels named, or, where `names` is empty, R, G and B. A name may carry its part as "part/channel".
+/// @throws Error as read_frame.
+[[nodiscard]] NamedPlanes read_planes(const std::string& path, const std::vector<std::string>& names = {});
+
+struct WriteOptions {
+  bool error = true;     ///< error.R/G/B
+  bool choice = true;    ///< choice.V
+  bool density = true;   ///< density.V
+  bool noisy = false;    ///< the input's colour as noisy.R/G/B
+  bool inputs = false;   ///< keep the planes that describe the noisy input: variances, covariances, sampleCount
+  bool half_colour = false;  ///< write R, G, B as half (float otherwise)
+  const std::vector<std::uint32_t>* samples = nullptr;  ///< if given: `density.samples` (uint), row-major
+};
+
+/// Writes the result next to everything of `source` that does not describe its noise: other channels, parts and attributes
+/// are carried over bit for bit. The file appears whole or not at all (temporary file in the same folder, renamed).
+/// @throws Error kIo naming the file.
+void write_result(const std::string& path, const LoadedFrame& source, const DenoiseResult& result, const WriteOptions& options = {});
+
+/// A plain file of named float planes of one size, written whole or not at all.
+void write_planes(const std::string& path, const std::vector<std::pair<std::string, ConstPlaneView>>& planes);
+
+}  // namespace stein::exr

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The filters: one aggregate of parameters each, and FilterSpec, the list of all of them. The command line, the
+// documentation's table, the benchmarks and the conformance tests are driven by this list.
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace stein {
+
+/// How strongly a feature guides: sigma_f of SBF Eq. 4, in units of the normalised distance D of Eq. 6.
+struct FeatureSigma {
+  std::string name;
+  float sigma = 0;  ///< > 0; 0: the feature is not used
+};
+
+/// Cross-bilateral bank, SBF (Li, Wu, Chuang 2012) Eq. 4-8 and 13: one candidate per spatial scale.
+struct CrossBilateralParams {
+  static constexpr std::string_view kName = "cross-bilateral";
+
+  /// sigma_s of the candidates, ascending, each [0.5..16] px, at most 8.
+  std::vector<float> spatial_sigmas = {1.0F, 1.41421356F, 2.0F, 2.82842712F, 4.0F, 5.65685425F, 8.0F};
+
+  /// sigma_r: range term on the colour, in units of radiance; 0: off (as in the paper's results).
+  float range_sigma = 0.0F;
+
+  /// sigma_f by feature name. A feature of the frame that is not listed uses `other_feature_sigma`.
+  std::vector<FeatureSigma> feature_sigmas = {{"normal", 0.8F}, {"albedo", 0.25F}, {"depth", 0.6F}, {"position", 0.0F}};
+  float other_feature_sigma = 0.6F;  ///< >= 0; 0: features that are not listed are not used
+
+  /// Lower bound of the sum of two per-sample variances in Eq. 6. [1e-6..1]
+  float min_feature_variance = 0.01F;
+};
+
+/// The three scales that the paper uses between sampling iterations (SBF sec. 5.1).
+[[nodiscard]] CrossBilateralParams intermediate_cross_bilateral();
+
+using FilterSpec = std::variant<CrossBilateralParams>;
+
+/// The name of a filter, as on the command line.
+[[nodiscard]] std::string_view filter_name(const FilterSpec& spec);
+
+/// All names, in the order of the list.
+[[nodiscard]] std::vector<std::string_view> filter_names();
+
+/// A filter with its default parameters. @throws Error kInvalidArgument listing the names if there is no such filter.
+[[nodiscard]] FilterSpec make_filter(std::string_view name);
+
+/// The names of the candidates that a spec gives, the unfiltered input first ("input", "sigma_s=1", ...).
+[[nodiscard]] std::vector<std::string> candidate_names(const FilterSpec& spec);
+
+/// @throws Error kInvalidArgument naming the parameter, its value and its range.
+void check(const FilterSpec& spec);
+
+}  // namespace stein
