@@ -34,6 +34,9 @@ struct CrossBilateralParams {
 
   /// Lower bound of the sum of two per-sample variances in Eq. 6. [1e-6..1]
   float min_feature_variance = 0.01F;
+
+  void check() const;                                              ///< see stein::check
+  [[nodiscard]] std::vector<std::string> candidate_names() const;  ///< without the unfiltered input
 };
 
 /// The three scales that the paper uses between sampling iterations (SBF sec. 5.1).

@@ -64,7 +64,7 @@ class ConstPlaneView {
 class PlaneView {
  public:
   constexpr PlaneView() = default;
-  constexpr PlaneView(float* data, int width, int height, std::ptrdiff_t pixel_stride = 0, std::ptrdiff_t row_stride = 0) noexcept
+  PlaneView(float* data, int width, int height, std::ptrdiff_t pixel_stride = 0, std::ptrdiff_t row_stride = 0) noexcept
       : view_(data, width, height, pixel_stride, row_stride), data_(reinterpret_cast<std::byte*>(data)) {}
 
   [[nodiscard]] constexpr explicit operator bool() const noexcept { return static_cast<bool>(view_); }

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stein/plane.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <new>
+
+namespace stein {
+namespace {
+
+constexpr std::size_t kAlignment = 64;
+constexpr std::ptrdiff_t kFloatsPerLine = kAlignment / sizeof(float);
+
+template <class T>
+T load(const std::byte* p) noexcept {
+  T value;
+  std::memcpy(&value, p, sizeof value);
+  return value;
+}
+
+// IEEE binary16 to binary32, without branches so that rows vectorise: the exponent is moved by a multiplication, which
+// also normalises the denormals; infinities and NaNs get the exponent that the multiplication could not reach.
+float half_to_float(std::uint16_t half) noexcept {
+  const std::uint32_t magnitude = static_cast<std::uint32_t>(half & 0x7FFFU) << 13;
+  const std::uint32_t sign = static_cast<std::uint32_t>(half & 0x8000U) << 16;
+  const float scaled = std::bit_cast<float>(magnitude) * 0x1p112F;
+  const std::uint32_t special = (half & 0x7C00U) == 0x7C00U ? 0x7F800000U : 0U;
+  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(scaled) | special | sign);
+}
+
+template <class T, class Convert>
+void convert_row(const std::byte* p, std::ptrdiff_t stride, int count, float* out, Convert convert) noexcept {
+  if (stride == static_cast<std::ptrdiff_t>(sizeof(T))) {  // known stride: the compiler vectorises
+    for (int i = 0; i < count; ++i) out[i] = convert(load<T>(p + i * static_cast<std::ptrdiff_t>(sizeof(T))));
+  } else {
+    for (int i = 0; i < count; ++i) out[i] = convert(load<T>(p + i * stride));
+  }
+}
+
+}  // namespace
+
+float ConstPlaneView::at(int x, int y) const noexcept {
+  float value = 0;
+  read_row(y, x, 1, &value);
+  return value;
+}
+
+void ConstPlaneView::read_row(int y, int x, int count, float* out) const noexcept {
+  const std::byte* p = data_ + y * row_stride_ + x * pixel_stride_;
+  switch (type_) {
+    case ScalarType::kFloat32:
+      return convert_row<float>(p, pixel_stride_, count, out, [](float v) { return v; });
+    case ScalarType::kFloat16:
+      return convert_row<std::uint16_t>(p, pixel_stride_, count, out, half_to_float);
+    case ScalarType::kUint32:
+      return convert_row<std::uint32_t>(p, pixel_stride_, count, out, [](std::uint32_t v) { return static_cast<float>(v); });
+  }
+}
+
+void PlaneView::write_row(int y, int x, int count, const float* values) const noexcept {
+  std::byte* p = data_ + y * view_.row_stride() + x * view_.pixel_stride();
+  for (int i = 0; i < count; ++i) std::memcpy(p + i * view_.pixel_stride(), &values[i], sizeof(float));
+}
+
+Plane::Plane(int width, int height) : width_(width), height_(height) {
+  // An odd number of cache lines a row: rows and planes do not all start in the same cache set.
+  const std::ptrdiff_t lines = (static_cast<std::ptrdiff_t>(width) + kFloatsPerLine - 1) / kFloatsPerLine;
+  pitch_ = (lines | 1) * kFloatsPerLine;
+  const std::size_t count = static_cast<std::size_t>(pitch_) * static_cast<std::size_t>(height);
+  data_.reset(static_cast<float*>(::operator new(count * sizeof(float), std::align_val_t{kAlignment})));
+  std::fill_n(data_.get(), count, 0.0F);
+}
+
+void Plane::Free::operator()(float* p) const noexcept { ::operator delete(p, std::align_val_t{kAlignment}); }
+
+}  // namespace stein

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/validity.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace stein {
+namespace {
+
+constexpr int kChunk = 512;
+
+bool is_finite(float v) noexcept { return (std::bit_cast<std::uint32_t>(v) & 0x7F800000U) != 0x7F800000U; }
+
+// Clears mask where accept(value) is false.
+template <class Accept>
+void restrict_row(const ConstPlaneView& plane, int y, int x, int count, float* mask, Accept accept) {
+  float values[kChunk];
+  for (int i = 0; i < count; i += kChunk) {
+    const int n = std::min(kChunk, count - i);
+    plane.read_row(y, x + i, n, values);
+    for (int k = 0; k < n; ++k) mask[i + k] = accept(values[k]) ? mask[i + k] : 0.0F;
+  }
+}
+
+int count_zeros(const float* mask, int count) {
+  int zeros = 0;
+  for (int i = 0; i < count; ++i) zeros += mask[i] == 0.0F ? 1 : 0;
+  return zeros;
+}
+
+constexpr auto kAnyFinite = [](float v) { return is_finite(v); };
+constexpr auto kNonNegative = [](float v) { return is_finite(v) && v >= 0.0F; };
+constexpr auto kPositive = [](float v) { return is_finite(v) && v > 0.0F; };
+
+// For messages: the first plane of pixel (x, y) that makes it invalid.
+BadValue explain_colour(const Frame& frame, int x, int y) {
+  constexpr std::array<const char*, 3> kRgb = {"R", "G", "B"};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float mean = frame.colour[c].at(x, y);
+    if (!kAnyFinite(mean)) return {kRgb[c], x, y, mean};
+    const float variance = frame.colour_variance[c].at(x, y);
+    if (!kNonNegative(variance)) return {std::string("variance.") + kRgb[c], x, y, variance};
+  }
+  return {"sampleCount", x, y, frame.sample_count.at(x, y)};
+}
+
+BadValue explain_feature(const Feature& feature, int x, int y) {
+  for (std::size_t k = 0; k < feature.mean.size(); ++k) {
+    const float mean = feature.mean[k].at(x, y);
+    if (!kAnyFinite(mean)) return {plane_name(feature, k, false), x, y, mean};
+    if (feature.variance.empty()) continue;
+    const float variance = feature.variance[k].at(x, y);
+    if (!kNonNegative(variance)) return {plane_name(feature, k, true), x, y, variance};
+  }
+  return {};
+}
+
+struct RowReport {
+  int invalid = 0;
+  int first_invalid_x = 0;
+  int single_sample = 0;
+  std::vector<int> bad_feature;
+  std::vector<int> first_bad_x;
+};
+
+int first_zero(const std::vector<float>& mask) {
+  return static_cast<int>(std::find(mask.begin(), mask.end(), 0.0F) - mask.begin());
+}
+
+RowReport inspect_row(const Frame& frame, int y) {
+  RowReport row;
+  std::vector<float> values(static_cast<std::size_t>(frame.width));
+  row.invalid = colour_validity_row(frame, y, 0, frame.width, values.data());
+  if (row.invalid > 0) row.first_invalid_x = first_zero(values);
+  for (const Feature& feature : frame.features) {
+    row.bad_feature.push_back(feature_validity_row(feature, y, 0, frame.width, values.data()));
+    row.first_bad_x.push_back(row.bad_feature.back() > 0 ? first_zero(values) : 0);
+  }
+  sample_count_row(frame, y, 0, frame.width, values.data());
+  row.single_sample = static_cast<int>(std::count(values.begin(), values.end(), 1.0F));
+  return row;
+}
+
+}  // namespace
+
+int colour_validity_row(const Frame& frame, int y, int x, int count, float* mask) {
+  std::fill_n(mask, count, 1.0F);
+  for (const ConstPlaneView& plane : frame.colour) restrict_row(plane, y, x, count, mask, kAnyFinite);
+  for (const ConstPlaneView& plane : frame.colour_variance) restrict_row(plane, y, x, count, mask, kNonNegative);
+  if (frame.sample_count) restrict_row(frame.sample_count, y, x, count, mask, kPositive);
+  return count_zeros(mask, count);
+}
+
+int feature_validity_row(const Feature& feature, int y, int x, int count, float* mask) {
+  std::fill_n(mask, count, 1.0F);
+  for (const ConstPlaneView& plane : feature.mean) restrict_row(plane, y, x, count, mask, kAnyFinite);
+  for (const ConstPlaneView& plane : feature.variance) restrict_row(plane, y, x, count, mask, kNonNegative);
+  return count_zeros(mask, count);
+}
+
+void sample_count_row(const Frame& frame, int y, int x, int count, float* n) {
+  if (frame.sample_count) {
+    frame.sample_count.read_row(y, x, count, n);
+  } else {
+    std::fill_n(n, count, frame.uniform_sample_count);
+  }
+}
+
+FrameReport inspect(const Frame& frame, exec::Runner& runner, double progress_weight) {
+  check(frame);
+  std::vector<RowReport> rows(static_cast<std::size_t>(frame.height));
+  runner.for_each(frame.height, progress_weight, [&](int y, int) { rows[static_cast<std::size_t>(y)] = inspect_row(frame, y); });
+
+  FrameReport report;
+  report.bad_feature_pixels.resize(frame.features.size());
+  report.first_bad_feature.resize(frame.features.size());
+  for (int y = 0; y < frame.height; ++y) {
+    const RowReport& row = rows[static_cast<std::size_t>(y)];
+    if (row.invalid > 0 && report.invalid_pixels == 0) report.first_invalid = explain_colour(frame, row.first_invalid_x, y);
+    report.invalid_pixels += row.invalid;
+    report.single_sample_pixels += row.single_sample;
+    for (std::size_t f = 0; f < frame.features.size(); ++f) {
+      if (row.bad_feature[f] > 0 && report.bad_feature_pixels[f] == 0) {
+        report.first_bad_feature[f] = explain_feature(frame.features[f], row.first_bad_x[f], y);
+      }
+      report.bad_feature_pixels[f] += row.bad_feature[f];
+    }
+  }
+  return report;
+}
+
+}  // namespace stein

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Working memory in rows of floats: a tile with its halo, and a window of rows that slides down the image.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <new>
+
+namespace stein::exec {
+
+/// 64-byte aligned floats, zero-initialised, never shrinking.
+class FloatBuffer {
+ public:
+  /// At least `count` floats; the contents are kept only if the size suffices already.
+  float* reserve(std::size_t count);
+  [[nodiscard]] float* data() const noexcept { return data_.get(); }
+  [[nodiscard]] std::size_t size() const noexcept { return size_; }
+
+ private:
+  struct Free {
+    void operator()(float* p) const noexcept { ::operator delete(p, std::align_val_t{64}); }
+  };
+  std::unique_ptr<float, Free> data_;
+  std::size_t size_ = 0;
+};
+
+/// Geometry of tiles: one pitch for all of them, so that a neighbour's offset is the same everywhere.
+struct TileLayout {
+  int max_width = 0;  ///< a multiple of 16
+  int max_height = 0;
+  int halo = 0;
+  TileLayout() = default;
+  TileLayout(int tile_width, int tile_height, int tile_halo);
+
+  std::ptrdiff_t pitch = 0;         ///< floats from row to row
+  std::ptrdiff_t plane_stride = 0;  ///< floats from plane to plane; staggered so that planes do not share cache sets
+  [[nodiscard]] std::ptrdiff_t offset(int dx, int dy) const noexcept { return dy * pitch + dx; }
+};
+
+/// Planes of one tile and its halo in one allocation.
+class TilePlanes {
+ public:
+  void reserve(const TileLayout& layout, int planes);
+  /// Pixel (0, y) of the tile, y in [-halo, max_height + halo); x from -halo on may be used, and 16 floats past the end.
+  [[nodiscard]] float* row(int plane, int y) const noexcept {
+    return buffer_.data() + plane * layout_.plane_stride + (y + layout_.halo) * layout_.pitch + left_;
+  }
+  [[nodiscard]] const TileLayout& layout() const noexcept { return layout_; }
+
+ private:
+  FloatBuffer buffer_;
+  TileLayout layout_;
+  std::ptrdiff_t left_ = 0;
+};
+
+/// The most recent rows of a set of image-wide planes: row y overwrites row y - capacity.
+class RowRing {
+ public:
+  RowRing() = default;
+  RowRing(int planes, int width, int capacity);
+  /// Pixel (0, y). Rows are padded to a multiple of 16 floats.
+  [[nodiscard]] float* row(int plane, int y) const noexcept {
+    return buffer_.data() + plane * plane_stride_ + static_cast<std::ptrdiff_t>(y % capacity_) * pitch_;
+  }
+  [[nodiscard]] int capacity() const noexcept { return capacity_; }
+
+ private:
+  FloatBuffer buffer_;
+  std::ptrdiff_t pitch_ = 0;
+  std::ptrdiff_t plane_stride_ = 0;
+  int capacity_ = 1;
+};
+
+}  // namespace stein::exec

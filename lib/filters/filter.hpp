@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The contract of a filter: it returns, for every candidate of its bank, the filtered colour F and the divergence term that
+// the risk estimate needs of dF, and it declares its halo. Tiles, threads, memory, selection and tests then work alike.
+#pragma once
+
+#include <memory>
+
+#include "exec/buffers.hpp"
+#include "exec/rect.hpp"
+#include "prefilter/source.hpp"
+#include "stein/filters.hpp"
+
+namespace stein {
+
+/// Where candidates go: planes of a row window, in the order F.R, F.G, F.B, D.R, D.G, D.B for each candidate.
+class CandidateRows {
+ public:
+  static constexpr int kPlanes = 6;
+  explicit CandidateRows(const exec::RowRing& rows, int first_plane = 0) : rows_(rows), first_(first_plane) {}
+
+  /// The filtered colour.
+  [[nodiscard]] float* result(int candidate, int channel, int y) const noexcept { return rows_.row(plane(candidate, channel), y); }
+  /// D_c = sum over inputs j of dF_c/dx_j Cov(x_j, x_c): what 2 D_c adds to the risk (SBF Eq. 2; Joint SURE Eq. 2). Covariances
+  /// are of the mean. With independent channels and features free of noise: variance of the mean times dF_c/dx_c.
+  [[nodiscard]] float* divergence(int candidate, int channel, int y) const noexcept {
+    return rows_.row(plane(candidate, channel) + 3, y);
+  }
+
+ private:
+  [[nodiscard]] int plane(int candidate, int channel) const noexcept { return first_ + candidate * kPlanes + channel; }
+  const exec::RowRing& rows_;
+  int first_;
+};
+
+/// Scratch memory of one thread.
+struct FilterScratch {
+  exec::TilePlanes tile;
+};
+
+/// A filter bound to its parameters and to one frame. Const and stateless while it runs: tiles run in any order and thread.
+class PreparedFilter {
+ public:
+  PreparedFilter() = default;
+  PreparedFilter(const PreparedFilter&) = delete;
+  PreparedFilter& operator=(const PreparedFilter&) = delete;
+  virtual ~PreparedFilter() = default;
+
+  [[nodiscard]] virtual int candidates() const noexcept = 0;  ///< without the unfiltered input
+  [[nodiscard]] virtual int halo() const noexcept = 0;        ///< pixels farther than this from a tile cannot change it
+  /// Fills F and D of the tile. Writes up to the next multiple of 16 pixels in x.
+  virtual void run(const Rect& tile, FilterScratch& scratch, const CandidateRows& out) const = 0;
+};
+
+/// One overload per filter, each in its own pair of files. Tiles must not exceed tile_width x tile_height.
+[[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const CrossBilateralParams& params, const Source& source, int tile_width, int tile_height);
+
+/// The overload for the alternative that `spec` holds.
+[[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const FilterSpec& spec, const Source& source, int tile_width, int tile_height);
+
+}  // namespace stein

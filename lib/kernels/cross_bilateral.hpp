@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "kernels/guides.hpp"
+
+namespace stein::kernels {
+
+inline constexpr int kMaxScales = 8;
+
+/// One row of a cross-bilateral bank: candidate s has weights 2^-d * spatial[s] over the taps that reach it.
+struct CrossBilateralRow {
+  Guides guides;
+  const float* colour[3];    ///< as the guides: the row's first target pixel, neighbours at the taps' offsets
+  const float* variance[3];  ///< of the mean; target pixels only
+  int count = 0;             ///< target pixels; rows are read and written up to the next multiple of kMaxLanes
+
+  const std::ptrdiff_t* taps = nullptr;  ///< offsets of the neighbours, the pixel itself included
+  int tap_count = 0;                     ///< a multiple of kTapBatch
+  /// Batch b of taps uses scales [first_scale[b], scales), with factors spatial[(b * scales + s) * kTapBatch + tap].
+  const int* first_scale = nullptr;
+  const float* spatial = nullptr;
+  int scales = 0;
+  float inverse_range_variance = 0;  ///< 1 / sigma_r^2 where the guides hold the colour as a range term, else 0
+
+  float* result[kMaxScales][3];      ///< out: F, SBF Eq. 5; the pixel's own colour where no neighbour has weight
+  float* divergence[kMaxScales][3];  ///< out: variance of the mean times dF/dc, SBF Eq. 7
+};
+
+void cross_bilateral_row(const CrossBilateralRow& row);
+
+}  // namespace stein::kernels

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Weights of a batch of neighbours from their guides; shared by the kernels. Compiled once per instruction set.
+#if defined(STEIN_KERNELS_WEIGHTS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef STEIN_KERNELS_WEIGHTS_INL
+#undef STEIN_KERNELS_WEIGHTS_INL
+#else
+#define STEIN_KERNELS_WEIGHTS_INL
+#endif
+
+#include <hwy/highway.h>
+
+#include "kernels/guides.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace stein::kernels::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using FloatTag = hn::CappedTag<float, kMaxLanes>;
+using FloatVec = hn::Vec<FloatTag>;
+
+// Lane type: float32. Valid range: [1e-30, 1e30]. Max error: 2 ulp.
+HWY_INLINE FloatVec reciprocal(FloatTag d, FloatVec v) {
+  const FloatVec r = hn::ApproximateReciprocal(v);
+  return hn::Mul(r, hn::NegMulAdd(v, r, hn::Set(d, 2.0F)));  // one Newton step
+}
+
+// 2^-x. Lane type: float32. Valid range: [0, inf). Max relative error: 3e-7; exactly 1 at 0 and exactly 0 beyond 60.
+HWY_INLINE FloatVec exp2_negative(FloatTag d, FloatVec x) {
+  const hn::RebindToUnsigned<FloatTag> du;
+  constexpr float kCutOff = 60.0F;
+  // Adding kMagic leaves the nearest integer, plus kCutOff, in the low bits of the mantissa. Shifted into the exponent
+  // that is 2^(i - 67), and 0 for i = -60; the polynomial carries the missing 2^67. So no denormal arises on the way.
+  const FloatVec kMagic = hn::Set(d, 0x1.8p23F + kCutOff);
+  const FloatVec t = hn::Max(hn::Neg(x), hn::Set(d, -kCutOff));
+  const FloatVec shifted = hn::Add(t, kMagic);
+  const FloatVec scale = hn::BitCast(d, hn::ShiftLeft<23>(hn::BitCast(du, shifted)));
+  const FloatVec f = hn::Sub(t, hn::Sub(shifted, kMagic));  // in [-0.5, 0.5]
+  // Minimax fit of 2^f on [-0.5, 0.5], relative error 9.2e-8, with the value at 0 held at 1.
+  FloatVec p = hn::Set(d, 0x1p67F * 1.32647273e-3F);
+  p = hn::MulAdd(p, f, hn::Set(d, 0x1p67F * 9.67151271e-3F));
+  p = hn::MulAdd(p, f, hn::Set(d, 0x1p67F * 5.55073374e-2F));
+  p = hn::MulAdd(p, f, hn::Set(d, 0x1p67F * 2.40222421e-1F));
+  p = hn::MulAdd(p, f, hn::Set(d, 0x1p67F * 6.93146978e-1F));
+  p = hn::MulAdd(p, f, hn::Set(d, 0x1p67F));
+  return hn::Mul(p, scale);
+}
+
+// Distances to a batch of kTapBatch neighbours: d = num / den, so that groups share one division.
+struct Distances {
+  FloatVec num[kTapBatch];
+  FloatVec den[kTapBatch];
+};
+
+// Adds the group's |a - b|^2 / max(va + vb, min_variance) to the distances; kFirst: there is nothing to add to yet.
+template <bool kFirst>
+HWY_INLINE void add_group(FloatTag d, const Guides& guides, int group, int first_channel, int end_channel, std::ptrdiff_t x,
+                          const std::ptrdiff_t (&at)[kTapBatch], Distances& distances) {
+  FloatVec s[kTapBatch];
+  for (FloatVec& sum : s) sum = hn::Zero(d);
+  for (int k = first_channel; k < end_channel; ++k) {
+    const float* HWY_RESTRICT f = guides.channel[k];
+    const FloatVec a = hn::LoadU(d, f + x);
+    for (int t = 0; t < kTapBatch; ++t) {
+      const FloatVec e = hn::Sub(a, hn::LoadU(d, f + at[t]));
+      s[t] = hn::MulAdd(e, e, s[t]);
+    }
+  }
+  const float* HWY_RESTRICT variance = guides.variance[group];
+  const FloatVec va = hn::LoadU(d, variance + x);
+  const FloatVec min_variance = hn::Set(d, guides.min_variance);
+  for (int t = 0; t < kTapBatch; ++t) {
+    const FloatVec v = hn::Max(hn::Add(va, hn::LoadU(d, variance + at[t])), min_variance);
+    distances.num[t] = kFirst ? s[t] : hn::MulAdd(s[t], distances.den[t], hn::Mul(distances.num[t], v));
+    distances.den[t] = kFirst ? v : hn::Mul(distances.den[t], v);
+  }
+}
+
+// w[t] = mask * 2^-d of the pixels at offsets[t] from x. kUsual: the groups are a normal (3), an albedo (3) and a depth (1).
+template <bool kUsual>
+HWY_INLINE void guide_weights(FloatTag d, const Guides& guides, std::ptrdiff_t x, const std::ptrdiff_t* offsets,
+                              FloatVec (&w)[kTapBatch]) {
+  std::ptrdiff_t at[kTapBatch];
+  for (int t = 0; t < kTapBatch; ++t) at[t] = x + offsets[t];
+  FloatVec distance[kTapBatch];
+  for (FloatVec& v : distance) v = hn::Zero(d);
+  Distances part;
+  if constexpr (kUsual) {
+    add_group<true>(d, guides, 0, 0, 3, x, at, part);
+    add_group<false>(d, guides, 1, 3, 6, x, at, part);
+    add_group<false>(d, guides, 2, 6, 7, x, at, part);
+    for (int t = 0; t < kTapBatch; ++t) distance[t] = hn::Mul(part.num[t], reciprocal(d, part.den[t]));
+  } else {
+    int channel = 0;
+    for (int g = 0; g < guides.groups; ++g) {  // one division per group: products of many denominators could overflow
+      add_group<true>(d, guides, g, channel, guides.group_end[g], x, at, part);
+      channel = guides.group_end[g];
+      for (int t = 0; t < kTapBatch; ++t) distance[t] = hn::MulAdd(part.num[t], reciprocal(d, part.den[t]), distance[t]);
+    }
+  }
+  for (int t = 0; t < kTapBatch; ++t) w[t] = hn::Mul(exp2_negative(d, distance[t]), hn::LoadU(d, guides.mask + at[t]));
+}
+
+}  // namespace stein::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

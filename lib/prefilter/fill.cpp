@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "prefilter/source.hpp"
+#include "stein/error.hpp"
+
+namespace stein {
+namespace {
+
+// Progress of the fill: which pixels are known, and the values of those that had to be filled.
+class Holes {
+ public:
+  explicit Holes(const Frame& frame) : frame_(frame), entry_(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height), kValid) {
+    std::vector<float> mask(static_cast<std::size_t>(frame.width));
+    for (int y = 0; y < frame.height; ++y) {
+      if (colour_validity_row(frame, y, 0, frame.width, mask.data()) == 0) continue;
+      for (int x = 0; x < frame.width; ++x) {
+        if (mask[static_cast<std::size_t>(x)] == 0.0F) at(x, y) = kUnknown;
+      }
+    }
+  }
+
+  [[nodiscard]] bool is_unknown(int x, int y) const { return entry_[index(x, y)] == kUnknown; }
+  [[nodiscard]] bool is_known(int x, int y) const { return entry_[index(x, y)] != kUnknown && entry_[index(x, y)] != kQueued; }
+
+  // The unknown pixels next to known ones, in row order; marks them as queued.
+  std::vector<FilledPixel> first_layer() {
+    std::vector<FilledPixel> layer;
+    for (int y = 0; y < frame_.height; ++y) {
+      for (int x = 0; x < frame_.width; ++x) {
+        if (is_unknown(x, y) && mean_of_known(x, y, nullptr) > 0) layer.push_back({x, y, {}});
+      }
+    }
+    for (const FilledPixel& p : layer) at(p.x, p.y) = kQueued;
+    return layer;
+  }
+
+  // Gives a layer its values, makes it known, and returns the unknown pixels next to it.
+  std::vector<FilledPixel> advance(std::vector<FilledPixel>& layer) {
+    for (FilledPixel& p : layer) mean_of_known(p.x, p.y, &p.colour);
+    std::vector<FilledPixel> next;
+    for (const FilledPixel& p : layer) {
+      at(p.x, p.y) = static_cast<std::uint32_t>(filled_.size());
+      filled_.push_back(p);
+      for_each_neighbour(p.x, p.y, [&](int x, int y) {
+        if (!is_unknown(x, y)) return;
+        at(x, y) = kQueued;
+        next.push_back({x, y, {}});
+      });
+    }
+    return next;
+  }
+
+  std::vector<FilledPixel> take_filled() { return std::move(filled_); }
+
+ private:
+  static constexpr std::uint32_t kValid = UINT32_MAX;
+  static constexpr std::uint32_t kUnknown = UINT32_MAX - 1;
+  static constexpr std::uint32_t kQueued = UINT32_MAX - 2;
+
+  [[nodiscard]] std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(frame_.width) + static_cast<std::size_t>(x);
+  }
+  std::uint32_t& at(int x, int y) { return entry_[index(x, y)]; }
+
+  template <class Visit>
+  void for_each_neighbour(int x, int y, Visit visit) const {
+    for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, frame_.height - 1); ++ny) {
+      for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, frame_.width - 1); ++nx) {
+        if (nx != x || ny != y) visit(nx, ny);
+      }
+    }
+  }
+
+  int mean_of_known(int x, int y, std::array<float, 3>* mean) const {
+    std::array<double, 3> sum{};
+    int count = 0;
+    for_each_neighbour(x, y, [&](int nx, int ny) {
+      if (!is_known(nx, ny)) return;
+      ++count;
+      const std::uint32_t entry = entry_[index(nx, ny)];
+      for (std::size_t c = 0; c < 3 && mean != nullptr; ++c) {
+        sum[c] += entry == kValid ? frame_.colour[c].at(nx, ny) : filled_[entry].colour[c];
+      }
+    });
+    for (std::size_t c = 0; c < 3 && mean != nullptr; ++c) (*mean)[c] = static_cast<float>(sum[c] / count);
+    return count;
+  }
+
+  const Frame& frame_;
+  std::vector<std::uint32_t> entry_;  // kValid, kUnknown, kQueued, or the index into filled_
+  std::vector<FilledPixel> filled_;
+};
+
+}  // namespace
+
+std::vector<FilledPixel> fill_invalid(const Frame& frame) {
+  Holes holes(frame);
+  std::vector<FilledPixel> layer = holes.first_layer();
+  while (!layer.empty()) layer = holes.advance(layer);
+  std::vector<FilledPixel> filled = holes.take_filled();
+  if (filled.empty()) {
+    throw Error(ErrorCode::kInvalidFrame, (frame.origin.empty() ? "frame" : frame.origin) +
+                                              ": no pixel has usable colour, variance and samples; nothing can be filtered");
+  }
+  std::sort(filled.begin(), filled.end(), [](const FilledPixel& a, const FilledPixel& b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); });
+  return filled;
+}
+
+}  // namespace stein

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "prefilter/source.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stein {
+namespace {
+
+constexpr int kChunk = 512;
+// Variance of a feature that is to count nothing: large against any scaled distance, small enough not to overflow with it.
+constexpr float kNoInformation = 1e10F;
+// Scaled features are clipped to this: the square of their difference stays finite, and far below kNoInformation.
+constexpr float kLargest = 1e4F;
+
+// Values at up to 2^16 pixels spread evenly over the plane, finite ones only. Even odd-sized steps: no column is preferred.
+std::vector<float> sample_plane(const ConstPlaneView& plane) {
+  const std::int64_t pixels = static_cast<std::int64_t>(plane.width()) * plane.height();
+  const std::int64_t step = (pixels / 65536) | 1;
+  std::vector<float> values;
+  values.reserve(static_cast<std::size_t>(pixels / step + 1));
+  for (std::int64_t i = 0; i < pixels; i += step) {
+    const float v = plane.at(static_cast<int>(i % plane.width()), static_cast<int>(i / plane.width()));
+    if (std::isfinite(v)) values.push_back(v);
+  }
+  return values;
+}
+
+float quantile(std::vector<float>& values, double fraction) {
+  if (values.empty()) return 0.0F;
+  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
+}
+
+}  // namespace
+
+float feature_range(const Feature& feature) {
+  if (feature.name == "normal" || feature.name == "albedo" || feature.name == "visibility") return 1.0F;
+  float range = 0.0F;
+  for (const ConstPlaneView& plane : feature.mean) {
+    std::vector<float> values = sample_plane(plane);
+    const float high = quantile(values, 0.999);
+    const float low = feature.name == "depth" ? 0.0F : quantile(values, 0.001);
+    range = std::max(range, high - low);
+  }
+  return range > 0.0F && std::isfinite(range) ? range : 1.0F;
+}
+
+Source::Source(const Frame& frame, const FrameReport& report) : frame_(frame) {
+  for (std::size_t f = 0; f < frame.features.size(); ++f) {
+    feature_scales_.push_back(1.0F / feature_range(frame.features[f]));
+    feature_has_bad_.push_back(report.bad_feature_pixels[f] > 0 ? 1 : 0);
+  }
+  if (report.invalid_pixels > 0) filled_ = fill_invalid(frame);
+}
+
+const FilledPixel* Source::first_filled(int y, int x) const {
+  const auto before = [](const FilledPixel& p, const std::pair<int, int>& at) { return std::pair(p.y, p.x) < at; };
+  return filled_.data() + (std::lower_bound(filled_.begin(), filled_.end(), std::pair(y, x), before) - filled_.begin());
+}
+
+void Source::colour_row(std::size_t channel, int y, int x, int count, float* out) const {
+  frame_.colour[channel].read_row(y, x, count, out);
+  const FilledPixel* end = filled_.data() + filled_.size();
+  for (const FilledPixel* p = first_filled(y, x); p != end && p->y == y && p->x < x + count; ++p) out[p->x - x] = p->colour[channel];
+}
+
+void Source::variance_row(std::size_t channel, int y, int x, int count, float* out) const {
+  frame_.colour_variance[channel].read_row(y, x, count, out);
+  const FilledPixel* end = filled_.data() + filled_.size();
+  for (const FilledPixel* p = first_filled(y, x); p != end && p->y == y && p->x < x + count; ++p) out[p->x - x] = 0.0F;
+}
+
+void Source::mask_row(int y, int x, int count, float* out) const {
+  std::fill_n(out, count, 1.0F);
+  const FilledPixel* end = filled_.data() + filled_.size();
+  for (const FilledPixel* p = first_filled(y, x); p != end && p->y == y && p->x < x + count; ++p) out[p->x - x] = 0.0F;
+}
+
+void Source::feature_row(std::size_t feature, float factor, int y, int x, int count, float* const* means, float* variance) const {
+  const Feature& source = frame_.features[feature];
+  const std::size_t channels = source.mean.size();
+  const float scale = feature_scales_[feature];
+  for (std::size_t k = 0; k < channels; ++k) {
+    source.mean[k].read_row(y, x, count, means[k]);
+    for (int i = 0; i < count; ++i) means[k][i] = std::clamp(means[k][i] * (scale * factor), -kLargest, kLargest);
+  }
+  std::fill_n(variance, count, 0.0F);
+  float n[kChunk];
+  float v[kChunk];
+  const float variance_scale = scale * scale / static_cast<float>(channels);
+  for (int start = 0; start < count && !source.variance.empty(); start += kChunk) {
+    const int part = std::min(kChunk, count - start);
+    sample_count_row(frame_, y, x + start, part, n);
+    for (const ConstPlaneView& plane : source.variance) {
+      plane.read_row(y, x + start, part, v);
+      // Eq. 6 of SBF speaks of the samples' variance, the frame holds that of the mean.
+      for (int i = 0; i < part; ++i) variance[start + i] += std::min(v[i] * n[i] * variance_scale, kNoInformation);
+    }
+  }
+  if (feature_has_bad_[feature] == 0) return;
+  for (int start = 0; start < count; start += kChunk) {
+    const int part = std::min(kChunk, count - start);
+    feature_validity_row(source, y, x + start, part, v);
+    for (int i = 0; i < part; ++i) {
+      if (v[i] != 0.0F) continue;
+      for (std::size_t k = 0; k < channels; ++k) means[k][start + i] = 0.0F;
+      variance[start + i] = kNoInformation;
+    }
+  }
+}
+
+}  // namespace stein

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <hwy/targets.h>
+
+#include <cmath>
+#include <limits>
+
+#include "catch.hpp"
+#include "support/cross_bilateral_reference.hpp"
+#include "support/synthetic.hpp"
+
+namespace stein::test {
+namespace {
+
+struct Largest {
+  double result = 0;
+  double derivative = 0;
+};
+
+// Largest deviation of the filter from the plain reference, relative to the size of the values involved.
+Largest deviation(const CrossBilateralParams& params, const Frame& frame) {
+  const BankResult bank = run_filter(params, frame, 32, 16);
+  const Source source(frame, inspect(frame));
+  Largest largest;
+  for (std::size_t s = 0; s < params.spatial_sigmas.size(); ++s) {
+    for (int y = 0; y < frame.height; ++y) {
+      for (int x = 0; x < frame.width; ++x) {
+        const PixelResult expected = cross_bilateral_reference(params, source, params.spatial_sigmas[s], x, y);
+        for (std::size_t c = 0; c < 3; ++c) {
+          float variance = 0;
+          source.variance_row(c, y, x, 1, &variance);
+          const double f = bank.result[s][c].row(y)[x];
+          const double d = bank.divergence[s][c].row(y)[x];
+          largest.result = std::max(largest.result, std::abs(f - expected.result[c]) / (1.0 + std::abs(expected.result[c])));
+          largest.derivative = std::max(largest.derivative, std::abs(d - variance * expected.derivative[c]) / 0.01);
+        }
+      }
+    }
+  }
+  return largest;
+}
+
+}  // namespace
+
+TEST_CASE("cross-bilateral: equals the plain double reference for all sizes from 1 to 40") {
+  CrossBilateralParams params;
+  params.spatial_sigmas = {1.0F, 2.0F, 3.0F};
+  for (int size = 1; size <= 40; ++size) {
+    OwnedFrame frame(size, 41 - size, kUsualFeatures);
+    fill_random(frame, static_cast<std::uint64_t>(size));
+    const Largest largest = deviation(params, frame.frame());
+    CHECK(largest.result < 1e-5);
+    CHECK(largest.derivative < 1e-5);
+  }
+}
+
+TEST_CASE("cross-bilateral: equals the reference for any set of features, with and without the range term") {
+  const std::vector<std::vector<FeatureShape>> sets = {
+      {}, kUsualFeatures, {{"depth", 1}}, {{"normal", 3}, {"position", 3}}, {{"a", 1}, {"b", 2}, {"c", 3}, {"d", 4}, {"e", 1}}};
+  for (const auto& features : sets) {
+    OwnedFrame frame(37, 29, features);
+    fill_random(frame, 7);
+    CrossBilateralParams params;
+    for (const float range_sigma : {0.0F, 0.4F}) {
+      params.range_sigma = range_sigma;
+      const Largest largest = deviation(params, frame.frame());
+      CHECK(largest.result < 1e-5);
+      CHECK(largest.derivative < 1e-4);  // the range term takes a difference of squares
+    }
+  }
+}
+
+TEST_CASE("cross-bilateral: invalid pixels have no weight and bad features drop out of the distance") {
+  OwnedFrame frame(33, 31, kUsualFeatures);
+  fill_random(frame, 3);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  frame.at("R", 5, 5) = nan;
+  frame.at("variance.B", 12, 7) = -1.0F;
+  frame.at("sampleCount", 20, 20) = 0.0F;
+  frame.at("G", 0, 30) = std::numeric_limits<float>::infinity();
+  frame.at("albedo.variance.G", 9, 9) = nan;
+  frame.at("depth.Z", 25, 4) = -std::numeric_limits<float>::infinity();
+  const Largest largest = deviation(CrossBilateralParams{}, frame.frame());
+  CHECK(largest.result < 1e-5);
+  CHECK(largest.derivative < 1e-5);
+}
+
+TEST_CASE("cross-bilateral: high dynamic range keeps its precision") {
+  OwnedFrame frame(40, 24, kUsualFeatures);
+  fill_random(frame, 11);
+  for (int y = 0; y < 24; ++y) {
+    for (int x = 20; x < 40; ++x) {
+      for (const char* name : {"R", "G", "B"}) frame.at(name, x, y) *= 1e4F;
+      for (const char* name : {"normal.X", "normal.Y"}) frame.at(name, x, y) += 3.0F;
+    }
+    for (int x = 0; x < 20; ++x) {
+      for (const char* name : {"R", "G", "B"}) frame.at(name, x, y) *= 1e-4F;
+    }
+  }
+  const BankResult bank = run_filter(CrossBilateralParams{}, frame.frame());
+  const Source source(frame.frame(), inspect(frame.frame()));
+  for (int y = 0; y < 24; y += 5) {
+    for (int x = 0; x < 40; ++x) {
+      const PixelResult expected = cross_bilateral_reference(CrossBilateralParams{}, source, 8.0, x, y);
+      // Relative to the dark side's own level: nothing of the bright side may leak in through rounding.
+      CHECK(bank.result[6][1].row(y)[x] == Approx(expected.result[1]).epsilon(1e-4));
+    }
+  }
+}
+
+TEST_CASE("cross-bilateral: the derivative is that of a finite difference, channel by channel") {
+  OwnedFrame frame(21, 19, kUsualFeatures);
+  fill_random(frame, 5);
+  const Source source(frame.frame(), inspect(frame.frame()));
+  for (const float range_sigma : {0.0F, 0.25F, 0.6F}) {
+    CrossBilateralParams params;
+    params.range_sigma = range_sigma;
+    const BankResult bank = run_filter(params, frame.frame());
+    for (int i = 0; i < 40; ++i) {
+      const int x = i * 7 % 21;
+      const int y = i * 5 % 19;
+      const std::size_t s = static_cast<std::size_t>(i) % params.spatial_sigmas.size();
+      for (std::size_t c = 0; c < 3; ++c) {
+        constexpr double kStep = 1e-5;
+        std::array<double, 3> up{};
+        std::array<double, 3> down{};
+        up[c] = kStep;
+        down[c] = -kStep;
+        const double above = cross_bilateral_reference(params, source, params.spatial_sigmas[s], x, y, up).result[c];
+        const double below = cross_bilateral_reference(params, source, params.spatial_sigmas[s], x, y, down).result[c];
+        const double difference = (above - below) / (2.0 * kStep);
+        const double closed = bank.divergence[s][c].row(y)[x] / frame.frame().colour_variance[c].at(x, y);
+        CHECK(closed == Approx(difference).epsilon(1e-3).margin(1e-5));
+      }
+    }
+  }
+}
+
+TEST_CASE("cross-bilateral: a scale gives the same alone and in a bank") {
+  OwnedFrame frame(50, 30, kUsualFeatures);
+  fill_random(frame, 9);
+  const BankResult bank = run_filter(CrossBilateralParams{}, frame.frame());
+  CrossBilateralParams alone;
+  alone.spatial_sigmas = {4.0F};
+  const BankResult single = run_filter(alone, frame.frame());
+  for (int y = 0; y < 30; ++y) {
+    for (int x = 0; x < 50; ++x) {
+      CHECK(single.result[0][0].row(y)[x] == Approx(bank.result[4][0].row(y)[x]).epsilon(2e-6));
+    }
+  }
+}
+
+TEST_CASE("cross-bilateral: all instruction sets of this machine agree") {
+  OwnedFrame frame(45, 23, kUsualFeatures);
+  fill_random(frame, 13);
+  for (std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS; targets != 0; targets &= targets - 1) {
+    hwy::SetSupportedTargetsForTest(targets & -targets);
+    const Largest largest = deviation(CrossBilateralParams{}, frame.frame());
+    hwy::SetSupportedTargetsForTest(0);
+    INFO(hwy::TargetName(targets & -targets));
+    CHECK(largest.result < 1e-5);
+    CHECK(largest.derivative < 1e-5);
+  }
+}
+
+}  // namespace stein::test
