@@ -22,8 +22,16 @@ enum class Selection : std::uint8_t {
   kBlend,   ///< a mixture weighted by how sure the smoothed risks are
 };
 
+/// Fireflies: single pixels whose brightness neither their neighbours nor their own samples support (docs/filters/outliers.md).
+struct OutlierParams {
+  bool enabled = true;   ///< false: every valid pixel enters the filters as it is
+  float excess = 3.0F;   ///< [0..100] standard errors of the brightest neighbour by which an outlier exceeds it
+  float support = 2.0F;  ///< (0..100] own standard errors by which a pixel must exceed it to be believed
+};
+
 struct DenoiseParams {
   FilterSpec filter = CrossBilateralParams{};
+  OutlierParams outliers;
   Selection selection = Selection::kBlend;
   float strength = 1.0F;  ///< [0..1]: 1 the reconstruction, 0 the input; between: a linear mix. The error is that of the mix.
   /// Throw on the first unusable pixel or feature value instead of repairing and counting it.
@@ -42,6 +50,8 @@ struct StageSeconds {
 
 struct DenoiseReport {
   FrameReport frame;
+  std::int64_t outlier_pixels = 0;            ///< pixels that were scaled down before filtering
+  double outlier_energy = 0;                  ///< what that removed, as a fraction of the image's sum
   std::vector<std::string> candidates;        ///< entry names; index = value of the choice plane; 0 is the unfiltered input
   std::vector<double> choice_share;           ///< fraction of pixels whose largest weight is that entry's
   std::array<double, 3> mean_error{};         ///< mean over the image of the estimated squared error, per channel

@@ -54,7 +54,7 @@ struct BadValue {
 
 /// What `inspect` counted.
 struct FrameReport {
-  /// Pixels without usable colour: non-finite mean or variance, negative variance, or no samples. They have no weight
+  /// Pixels without usable colour: non-finite mean or variance (or a mean beyond 1e15), negative variance, or no samples. They have no weight
   /// as sources and are filled from their neighbours.
   std::int64_t invalid_pixels = 0;
   BadValue first_invalid;  ///< in row order; meaningful if invalid_pixels > 0

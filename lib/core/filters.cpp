@@ -1,2 +1,143 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stein/filters.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <set>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/parameter_check.hpp"
+#include "stein/error.hpp"
+
+namespace stein {
+namespace {
+
+/// Calls visit.operator()<Params>() for every alternative of FilterSpec, in the order of the list.
+template <class Visit>
+void for_each_filter(const Visit& visit) {
+  [&]<std::size_t... index>(std::index_sequence<index...>) {
+    (visit.template operator()<std::variant_alternative_t<index, FilterSpec>>(), ...);
+  }
+  (std::make_index_sequence<std::variant_size_v<FilterSpec>>{});
+}
+
+std::string joined_names() {
+  std::string text;
+  for (const std::string_view name : filter_names()) {
+    text += (text.empty() ? "" : ", ");
+    text += name;
+  }
+  return text;
+}
+
+[[noreturn]] void out_of_range(std::string_view what, const std::string& value, const std::string& range) {
+  throw Error(ErrorCode::kInvalidArgument, std::string(what) + " is " + value + ", must be " + range);
+}
+
+template <class... Precision>
+std::string chars_of(float value, Precision... precision) {
+  std::array<char, 64> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, precision...);
+  return {text.data(), end.ptr};
+}
+
+}  // namespace
+
+std::string to_text(float value) { return chars_of(value); }
+
+std::string to_text(float value, int digits) { return chars_of(value, std::chars_format::general, digits); }
+
+void require_in_range(std::string_view what, float value, float low, float high, std::string_view unit) {
+  if (value >= low && value <= high) return;
+  const std::string suffix = unit.empty() ? "" : " " + std::string(unit);
+  out_of_range(what, to_text(value), "in [" + to_text(low) + ".." + to_text(high) + "]" + suffix);
+}
+
+void require_not_negative(std::string_view what, float value) {
+  if (!(value >= 0.0F) || std::isinf(value)) out_of_range(what, to_text(value), "finite and >= 0");
+}
+
+std::string_view filter_name(const FilterSpec& spec) {
+  return std::visit([](const auto& params) { return std::remove_cvref_t<decltype(params)>::kName; }, spec);
+}
+
+std::vector<std::string_view> filter_names() {
+  std::vector<std::string_view> names;
+  for_each_filter([&]<class Params>() { names.push_back(Params::kName); });
+  return names;
+}
+
+FilterSpec make_filter(std::string_view name) {
+  FilterSpec spec;
+  bool found = false;
+  for_each_filter([&]<class Params>() {
+    if (name != Params::kName) return;
+    spec = Params{};
+    found = true;
+  });
+  if (!found) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "there is no filter '" + std::string(name) + "'; choose one of: " + joined_names());
+  }
+  return spec;
+}
+
+std::vector<std::string> candidate_names(const FilterSpec& spec) {
+  std::vector<std::string> names = std::visit([](const auto& params) { return params.candidate_names(); }, spec);
+  names.insert(names.begin(), "input");
+  return names;
+}
+
+void check(const FilterSpec& spec) {
+  std::visit([](const auto& params) { params.check(); }, spec);
+}
+
+CrossBilateralParams intermediate_cross_bilateral() {
+  CrossBilateralParams params;
+  params.spatial_sigmas = {1.0F, 2.0F, 4.0F};
+  return params;
+}
+
+std::vector<std::string> CrossBilateralParams::candidate_names() const {
+  std::vector<std::string> names;
+  names.reserve(spatial_sigmas.size());
+  std::transform(spatial_sigmas.begin(), spatial_sigmas.end(), std::back_inserter(names),
+                 [](float sigma) { return "sigma_s=" + to_text(sigma, 3); });
+  return names;
+}
+
+void CrossBilateralParams::check() const {
+  const std::string prefix = std::string(kName) + ": ";
+  if (spatial_sigmas.empty() || spatial_sigmas.size() > 8) {
+    out_of_range(prefix + "the number of spatial_sigmas", std::to_string(spatial_sigmas.size()), "in [1..8]");
+  }
+  for (std::size_t i = 0; i < spatial_sigmas.size(); ++i) {
+    const std::string what = prefix + "spatial_sigmas[" + std::to_string(i) + "]";
+    require_in_range(what, spatial_sigmas[i], 0.5F, 16.0F, "px");
+    if (i > 0 && spatial_sigmas[i] <= spatial_sigmas[i - 1]) {
+      out_of_range(what, to_text(spatial_sigmas[i]),
+                   "above the one before it (" + to_text(spatial_sigmas[i - 1]) + "): list them in ascending order");
+    }
+  }
+  require_not_negative(prefix + "range_sigma", range_sigma);
+  std::set<std::string_view> seen;
+  for (const FeatureSigma& feature : feature_sigmas) {
+    const std::string what = prefix + "the sigma of feature '" + feature.name + "'";
+    require_not_negative(what, feature.sigma);
+    if (feature.name.empty()) out_of_range(what, to_text(feature.sigma), "given with the feature's name");
+    if (!seen.insert(feature.name).second) out_of_range(what, "listed twice", "listed once");
+  }
+  require_not_negative(prefix + "other_feature_sigma", other_feature_sigma);
+  require_in_range(prefix + "min_feature_variance", min_feature_variance, 1e-6F, 1.0F);
+}
+
+}  // namespace stein

@@ -30,6 +30,11 @@ int count_zeros(const float* mask, int count) {
 }
 
 constexpr auto kAnyFinite = [](float v) { return is_finite(v); };
+// Squares of colours and products with weights must stay finite in float; no radiance is as large as that.
+constexpr float kLargestColour = 1e15F;
+constexpr float kLargestVariance = 1e30F;
+constexpr auto kColour = [](float v) { return std::abs(v) <= kLargestColour; };
+constexpr auto kColourVariance = [](float v) { return v >= 0.0F && v <= kLargestVariance; };
 constexpr auto kNonNegative = [](float v) { return is_finite(v) && v >= 0.0F; };
 constexpr auto kPositive = [](float v) { return is_finite(v) && v > 0.0F; };
 
@@ -38,9 +43,9 @@ BadValue explain_colour(const Frame& frame, int x, int y) {
   constexpr std::array<const char*, 3> kRgb = {"R", "G", "B"};
   for (std::size_t c = 0; c < 3; ++c) {
     const float mean = frame.colour[c].at(x, y);
-    if (!kAnyFinite(mean)) return {kRgb[c], x, y, mean};
+    if (!kColour(mean)) return {kRgb[c], x, y, mean};
     const float variance = frame.colour_variance[c].at(x, y);
-    if (!kNonNegative(variance)) return {std::string("variance.") + kRgb[c], x, y, variance};
+    if (!kColourVariance(variance)) return {std::string("variance.") + kRgb[c], x, y, variance};
   }
   return {"sampleCount", x, y, frame.sample_count.at(x, y)};
 }
@@ -86,8 +91,8 @@ RowReport inspect_row(const Frame& frame, int y) {
 
 int colour_validity_row(const Frame& frame, int y, int x, int count, float* mask) {
   std::fill_n(mask, count, 1.0F);
-  for (const ConstPlaneView& plane : frame.colour) restrict_row(plane, y, x, count, mask, kAnyFinite);
-  for (const ConstPlaneView& plane : frame.colour_variance) restrict_row(plane, y, x, count, mask, kNonNegative);
+  for (const ConstPlaneView& plane : frame.colour) restrict_row(plane, y, x, count, mask, kColour);
+  for (const ConstPlaneView& plane : frame.colour_variance) restrict_row(plane, y, x, count, mask, kColourVariance);
   if (frame.sample_count) restrict_row(frame.sample_count, y, x, count, mask, kPositive);
   return count_zeros(mask, count);
 }

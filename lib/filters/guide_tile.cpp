@@ -50,6 +50,7 @@ void GuideSet::load(const Rect& tile, exec::TilePlanes& planes) const {
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const Group& group = groups_[g];
     const int variance_plane = channels_ + static_cast<int>(g);
+    load_tile(tile, frame.width, frame.height, planes, variance_plane, 1, [](int, int, int, float* const*) {});  // clears
     load_tile(tile, frame.width, frame.height, planes, channel, group.channels, [&](int y, int x, int n, float* const* rows) {
       float* variance = planes.row(variance_plane, y - tile.y0) + (x - tile.x0);
       if (group.feature >= 0) {

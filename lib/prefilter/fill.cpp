@@ -24,22 +24,22 @@ class Holes {
   [[nodiscard]] bool is_known(int x, int y) const { return entry_[index(x, y)] != kUnknown && entry_[index(x, y)] != kQueued; }
 
   // The unknown pixels next to known ones, in row order; marks them as queued.
-  std::vector<FilledPixel> first_layer() {
-    std::vector<FilledPixel> layer;
+  std::vector<ReplacedPixel> first_layer() {
+    std::vector<ReplacedPixel> layer;
     for (int y = 0; y < frame_.height; ++y) {
       for (int x = 0; x < frame_.width; ++x) {
         if (is_unknown(x, y) && mean_of_known(x, y, nullptr) > 0) layer.push_back({x, y, {}});
       }
     }
-    for (const FilledPixel& p : layer) at(p.x, p.y) = kQueued;
+    for (const ReplacedPixel& p : layer) at(p.x, p.y) = kQueued;
     return layer;
   }
 
   // Gives a layer its values, makes it known, and returns the unknown pixels next to it.
-  std::vector<FilledPixel> advance(std::vector<FilledPixel>& layer) {
-    for (FilledPixel& p : layer) mean_of_known(p.x, p.y, &p.colour);
-    std::vector<FilledPixel> next;
-    for (const FilledPixel& p : layer) {
+  std::vector<ReplacedPixel> advance(std::vector<ReplacedPixel>& layer) {
+    for (ReplacedPixel& p : layer) mean_of_known(p.x, p.y, &p.colour);
+    std::vector<ReplacedPixel> next;
+    for (const ReplacedPixel& p : layer) {
       at(p.x, p.y) = static_cast<std::uint32_t>(filled_.size());
       filled_.push_back(p);
       for_each_neighbour(p.x, p.y, [&](int x, int y) {
@@ -51,7 +51,7 @@ class Holes {
     return next;
   }
 
-  std::vector<FilledPixel> take_filled() { return std::move(filled_); }
+  std::vector<ReplacedPixel> take_filled() { return std::move(filled_); }
 
  private:
   static constexpr std::uint32_t kValid = UINT32_MAX;
@@ -89,21 +89,21 @@ class Holes {
 
   const Frame& frame_;
   std::vector<std::uint32_t> entry_;  // kValid, kUnknown, kQueued, or the index into filled_
-  std::vector<FilledPixel> filled_;
+  std::vector<ReplacedPixel> filled_;
 };
 
 }  // namespace
 
-std::vector<FilledPixel> fill_invalid(const Frame& frame) {
+std::vector<ReplacedPixel> fill_invalid(const Frame& frame) {
   Holes holes(frame);
-  std::vector<FilledPixel> layer = holes.first_layer();
+  std::vector<ReplacedPixel> layer = holes.first_layer();
   while (!layer.empty()) layer = holes.advance(layer);
-  std::vector<FilledPixel> filled = holes.take_filled();
+  std::vector<ReplacedPixel> filled = holes.take_filled();
   if (filled.empty()) {
     throw Error(ErrorCode::kInvalidFrame, (frame.origin.empty() ? "frame" : frame.origin) +
                                               ": no pixel has usable colour, variance and samples; nothing can be filtered");
   }
-  std::sort(filled.begin(), filled.end(), [](const FilledPixel& a, const FilledPixel& b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); });
+  std::sort(filled.begin(), filled.end(), [](const ReplacedPixel& a, const ReplacedPixel& b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); });
   return filled;
 }
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 namespace stein {
 namespace {
@@ -52,30 +54,53 @@ Source::Source(const Frame& frame, const FrameReport& report) : frame_(frame) {
     feature_scales_.push_back(1.0F / feature_range(frame.features[f]));
     feature_has_bad_.push_back(report.bad_feature_pixels[f] > 0 ? 1 : 0);
   }
-  if (report.invalid_pixels > 0) filled_ = fill_invalid(frame);
+  if (report.invalid_pixels > 0) replace(fill_invalid(frame));
 }
 
-const FilledPixel* Source::first_filled(int y, int x) const {
-  const auto before = [](const FilledPixel& p, const std::pair<int, int>& at) { return std::pair(p.y, p.x) < at; };
-  return filled_.data() + (std::lower_bound(filled_.begin(), filled_.end(), std::pair(y, x), before) - filled_.begin());
+void Source::replace(const std::vector<ReplacedPixel>& pixels) {
+  if (pixels.empty()) return;
+  const auto before = [](const ReplacedPixel& a, const ReplacedPixel& b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); };
+  std::vector<ReplacedPixel> merged(replaced_.size() + pixels.size());
+  std::merge(replaced_.begin(), replaced_.end(), pixels.begin(), pixels.end(), merged.begin(), before);
+  replaced_ = std::move(merged);
+  first_in_row_.assign(static_cast<std::size_t>(frame_.height) + 1, 0);
+  for (const ReplacedPixel& p : replaced_) ++first_in_row_[static_cast<std::size_t>(p.y) + 1];
+  std::partial_sum(first_in_row_.begin(), first_in_row_.end(), first_in_row_.begin());
+}
+
+template <class Visit>
+void Source::for_each_replaced(int y, int x, int count, Visit visit) const {
+  if (replaced_.empty()) return;
+  const auto row = static_cast<std::size_t>(y);
+  for (std::size_t i = first_in_row_[row]; i < first_in_row_[row + 1]; ++i) {
+    const ReplacedPixel& p = replaced_[i];
+    if (p.x >= x && p.x < x + count) visit(p, p.x - x);
+  }
 }
 
 void Source::colour_row(std::size_t channel, int y, int x, int count, float* out) const {
   frame_.colour[channel].read_row(y, x, count, out);
-  const FilledPixel* end = filled_.data() + filled_.size();
-  for (const FilledPixel* p = first_filled(y, x); p != end && p->y == y && p->x < x + count; ++p) out[p->x - x] = p->colour[channel];
+  for_each_replaced(y, x, count, [&](const ReplacedPixel& p, int i) { out[i] = p.colour[channel]; });
 }
 
 void Source::variance_row(std::size_t channel, int y, int x, int count, float* out) const {
   frame_.colour_variance[channel].read_row(y, x, count, out);
-  const FilledPixel* end = filled_.data() + filled_.size();
-  for (const FilledPixel* p = first_filled(y, x); p != end && p->y == y && p->x < x + count; ++p) out[p->x - x] = 0.0F;
+  for_each_replaced(y, x, count, [&](const ReplacedPixel&, int i) { out[i] = 0.0F; });
+}
+
+void Source::input_row(std::size_t channel, int y, int x, int count, float* mean, float* variance) const {
+  frame_.colour[channel].read_row(y, x, count, mean);
+  frame_.colour_variance[channel].read_row(y, x, count, variance);
+  for_each_replaced(y, x, count, [&](const ReplacedPixel& p, int i) {
+    if (p.is_source) return;
+    mean[i] = p.colour[channel];
+    variance[i] = 0.0F;
+  });
 }
 
 void Source::mask_row(int y, int x, int count, float* out) const {
   std::fill_n(out, count, 1.0F);
-  const FilledPixel* end = filled_.data() + filled_.size();
-  for (const FilledPixel* p = first_filled(y, x); p != end && p->y == y && p->x < x + count; ++p) out[p->x - x] = 0.0F;
+  for_each_replaced(y, x, count, [&](const ReplacedPixel& p, int i) { out[i] = p.is_source ? 1.0F : 0.0F; });
 }
 
 void Source::feature_row(std::size_t feature, float factor, int y, int x, int count, float* const* means, float* variance) const {

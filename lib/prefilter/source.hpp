@@ -12,16 +12,17 @@
 
 namespace stein {
 
-/// Value of an invalid pixel, taken from the nearest valid ones.
-struct FilledPixel {
+/// A pixel whose colour is not the frame's.
+struct ReplacedPixel {
   int x = 0;
   int y = 0;
   std::array<float, 3> colour{};
+  bool is_source = false;  ///< false: an invalid pixel, filled from its neighbours; true: an outlier that was scaled down
 };
 
 /// Fills from the rim of every hole inwards: each pixel gets the mean of its already known 8 neighbours. Row order. O(pixels).
 /// @throws Error kInvalidFrame if no pixel at all is valid.
-[[nodiscard]] std::vector<FilledPixel> fill_invalid(const Frame& frame);
+[[nodiscard]] std::vector<ReplacedPixel> fill_invalid(const Frame& frame);
 
 /// What to divide a feature by so that its distances are comparable between scenes: 1 for features that are bounded by
 /// nature (normal, albedo, visibility), the 99.9 % quantile for depth, the largest channel's 0.1-99.9 % range for others.
@@ -32,14 +33,19 @@ class Source {
   /// Views `frame`, which must outlive this.
   Source(const Frame& frame, const FrameReport& report);
 
+  /// Adds pixels that shall be seen with another colour; `pixels` in row order.
+  void replace(const std::vector<ReplacedPixel>& pixels);
+
   [[nodiscard]] const Frame& frame() const noexcept { return frame_; }
   [[nodiscard]] float feature_scale(std::size_t feature) const noexcept { return feature_scales_[feature]; }
-  [[nodiscard]] const std::vector<FilledPixel>& filled() const noexcept { return filled_; }
 
-  /// Colour mean, invalid pixels filled.
+  /// Colour mean as the filters are to see it.
   void colour_row(std::size_t channel, int y, int x, int count, float* out) const;
-  /// Variance of the mean, 0 at invalid pixels.
+  /// Variance of the mean that the filtered colour's own dependence on the pixel has to be weighted with: 0 at replaced pixels,
+  /// whose value no longer depends on their samples.
   void variance_row(std::size_t channel, int y, int x, int count, float* out) const;
+  /// The frame's own colour mean and variance of the mean, for the risk; at invalid pixels the fill and 0.
+  void input_row(std::size_t channel, int y, int x, int count, float* mean, float* variance) const;
   /// 1 at valid pixels, 0 at invalid ones.
   void mask_row(int y, int x, int count, float* out) const;
   /// Feature means times `factor`, one row per channel, and the per-sample variance of the group (the mean over its channels),
@@ -47,12 +53,14 @@ class Source {
   void feature_row(std::size_t feature, float factor, int y, int x, int count, float* const* means, float* variance) const;
 
  private:
-  [[nodiscard]] const FilledPixel* first_filled(int y, int x) const;
+  template <class Visit>
+  void for_each_replaced(int y, int x, int count, Visit visit) const;
 
   const Frame& frame_;
   std::vector<float> feature_scales_;
-  std::vector<FilledPixel> filled_;
   std::vector<std::uint8_t> feature_has_bad_;
+  std::vector<ReplacedPixel> replaced_;    // in row order
+  std::vector<std::size_t> first_in_row_;  // height + 1 indices into replaced_; empty while there are none
 };
 
 }  // namespace stein

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Kernels over one tile, one thread. items = pixels; flops as counted in docs/performance.md.
+#include <benchmark/benchmark.h>
+
+#include <vector>
+
+#include "filters/filter.hpp"
+#include "filters/taps.hpp"
+#include "kernels/guides.hpp"
+#include "synthetic_frame.hpp"
+
+namespace stein::bench {
+namespace {
+
+// Flops of the bank per pixel: per tap 21 for seven channels, 17 for three groups, 16 for the exponential, 4 for mask and
+// weighted colours; per tap and scale 8.
+double bank_flops(const CrossBilateralParams& params, const exec::TileLayout& layout) {
+  const ScaleTaps taps(params.spatial_sigmas, layout);
+  double flops = 58.0 * static_cast<double>(taps.offsets.size());
+  for (const int first : taps.first_scale) {
+    flops += 8.0 * kernels::kTapBatch * static_cast<double>(params.spatial_sigmas.size() - static_cast<std::size_t>(first));
+  }
+  return flops;
+}
+
+void run_bank(benchmark::State& state, const CrossBilateralParams& params) {
+  constexpr int kWidth = 128;
+  constexpr int kHeight = 32;
+  const BenchFrame frame(kWidth * 3, kHeight * 3);
+  const Source source(frame.frame(), inspect(frame.frame()));
+  const auto filter = prepare(FilterSpec(params), source, kWidth, kHeight);
+  const exec::RowRing ring(filter->candidates() * CandidateRows::kPlanes, kWidth * 3, kHeight * 3);
+  FilterScratch scratch;
+  for (auto _ : state) filter->run({kWidth, kHeight, 2 * kWidth, 2 * kHeight}, scratch, CandidateRows(ring));
+  const double pixels = kWidth * kHeight;
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * kWidth * kHeight);
+  const exec::TileLayout layout(kWidth, kHeight, filter->halo());
+  state.counters["flops"] = benchmark::Counter(pixels * bank_flops(params, layout), benchmark::Counter::kIsIterationInvariantRate);
+  state.SetLabel(kernels::instruction_set());
+}
+
+void kernel_cross_bilateral_final(benchmark::State& state) { run_bank(state, CrossBilateralParams{}); }
+BENCHMARK(kernel_cross_bilateral_final);
+
+void kernel_cross_bilateral_intermediate(benchmark::State& state) { run_bank(state, intermediate_cross_bilateral()); }
+BENCHMARK(kernel_cross_bilateral_intermediate);
+
+void kernel_cross_bilateral_range_term(benchmark::State& state) {
+  CrossBilateralParams params;
+  params.range_sigma = 1.0F;
+  run_bank(state, params);
+}
+BENCHMARK(kernel_cross_bilateral_range_term);
+
+}  // namespace
+}  // namespace stein::bench

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "synthetic_frame.hpp"
+
+namespace stein::bench {
+
+BenchFrame::BenchFrame(int width, int height) {
+  frame_.width = width;
+  frame_.height = height;
+  frame_.uniform_sample_count = 8;
+  planes_.reserve(32);
+  for (std::size_t c = 0; c < 3; ++c) {
+    frame_.colour[c] = add(0.0F, 4.0F);
+    frame_.colour_variance[c] = add(0.0F, 0.2F);
+  }
+  const std::vector<std::pair<const char*, int>> features = {{"normal", 3}, {"albedo", 3}, {"depth", 1}};
+  for (const auto& [name, channels] : features) {
+    Feature feature;
+    feature.name = name;
+    for (int k = 0; k < channels; ++k) {
+      feature.mean.push_back(add(0.0F, 0.3F));
+      feature.variance.push_back(add(0.0F, 0.01F));
+    }
+    frame_.features.push_back(std::move(feature));
+  }
+}
+
+ConstPlaneView BenchFrame::add(float low, float high) {
+  Plane plane(frame_.width, frame_.height);
+  for (int y = 0; y < frame_.height; ++y) {
+    for (int x = 0; x < frame_.width; ++x) {
+      state_ = state_ * 1664525U + 1013904223U;
+      plane.row(y)[x] = low + (high - low) * static_cast<float>(state_ >> 8) * 0x1p-24F;
+    }
+  }
+  planes_.push_back(std::move(plane));
+  const Plane& stored = planes_.back();
+  return stored.view();
+}
+
+}  // namespace stein::bench

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// SBF: Li, Wu, Chuang, "SURE-based Optimization for Adaptive Sampling and Reconstruction", 2012.
+#include "pipeline/stages.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "risk/sure.hpp"
+#include "select/selection.hpp"
+
+namespace stein {
+namespace {
+
+// Smoothing of the risk maps: 5x5 taps 1, 2, 4 pixels apart reach 14 pixels at 75 taps, where the paper's sigma_s = 8 would take
+// 800. Feature sigmas are doubled: each pass weighs edges anew, and three narrow passes would smooth too little.
+const std::vector<int> kRiskSteps = {1, 2, 4};
+const std::vector<int> kWeightSteps = {1, 2};
+constexpr float kSmoothingSigmaScale = 2.0F;
+
+constexpr float kRelativeEpsilon = 0.01F;  // of relative MSE, SBF sec. 5.2
+
+// The features that guide the filter also guide the smoothing of its risk.
+const CrossBilateralParams& guides_of(const FilterSpec& spec) {
+  return std::visit([](const auto& params) -> const CrossBilateralParams& { return params; }, spec);
+}
+
+// Total reach of all passes: the rows that windows must hold on either side.
+std::vector<int> all_halos() {
+  std::vector<int> halos;
+  for (const std::vector<int>* steps : {&kRiskSteps, &kWeightSteps, &kRiskSteps}) {
+    for (const int step : *steps) halos.push_back(GuidedPass::kRadius * step);
+  }
+  return halos;
+}
+
+}  // namespace
+
+Stages::Stages(const Source& source, const DenoiseParams& params, const exec::RowPipelineGeometry& geometry, int slots,
+               DenoiseResult& result)
+    : source_(source),
+      params_(params),
+      geometry_(geometry),
+      result_(result),
+      filter_(prepare(params.filter, source, geometry.tile_width, geometry.tile_height)),
+      entries_(filter_->candidates() + 1),
+      ring_rows_(exec::ring_capacity(geometry, all_halos())) {
+  plan(slots);
+}
+
+void Stages::plan(int slots) {
+  scratch_.resize(static_cast<std::size_t>(slots));
+  constexpr std::size_t kLines = 12;
+  lines_.assign(static_cast<std::size_t>(slots), std::vector<float>(kLines * static_cast<std::size_t>(geometry_.tile_width)));
+
+  candidates_ = add_ring((entries_ - 1) * CandidateRows::kPlanes);
+  raw_risks_ = add_ring(entries_);
+  raw_errors_ = add_ring(3);
+  list_.push_back({"filter", 0, 10.0, [this](const Rect& tile, int slot) { filter_and_risk(tile, slot); }});
+  risks_ = add_passes("smooth risk", raw_risks_, kRiskSteps, &Stages::pick);
+  if (params_.selection == Selection::kBlend) {
+    weights_ = add_passes("select", risks_, kWeightSteps, &Stages::mix);
+  } else {
+    weights_ = risks_;
+    list_.push_back({"select", 0, 0.1, [this](const Rect& tile, int slot) { mix(tile, slot); }});
+  }
+  errors_ = add_passes("smooth error", raw_errors_, kRiskSteps, &Stages::finish);
+}
+
+MapRows Stages::add_ring(int planes) {
+  rings_.push_back(std::make_unique<exec::RowRing>(planes, geometry_.width, ring_rows_));
+  return {rings_.back().get(), 0, planes};
+}
+
+MapRows Stages::add_passes(const std::string& name, MapRows maps, const std::vector<int>& steps, TileStep then) {
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    passes_.push_back(std::make_unique<GuidedPass>(source_, guides_of(params_.filter), kSmoothingSigmaScale, steps[i],
+                                                   geometry_.tile_width, geometry_.tile_height));
+    const GuidedPass* pass = passes_.back().get();
+    const MapRows out = add_ring(maps.count);
+    const TileStep last = i + 1 == steps.size() ? then : nullptr;
+    list_.push_back({name, pass->halo(), 1.0, [this, pass, maps, out, last](const Rect& tile, int slot) {
+                       pass->run(tile, scratch_[static_cast<std::size_t>(slot)], maps, out);
+                       if (last != nullptr) (this->*last)(tile, slot);
+                     }});
+    maps = out;
+  }
+  return maps;
+}
+
+void Stages::filter_and_risk(const Rect& tile, int slot) {
+  filter_->run(tile, scratch_[static_cast<std::size_t>(slot)], CandidateRows(*candidates_.ring));
+  for (int y = tile.y0; y < tile.y1; ++y) risk_row(tile, y, lines_[static_cast<std::size_t>(slot)].data());
+}
+
+// Relative risk of every entry: SURE (SBF Eq. 2) of each channel over F^2 + 0.01, mean over the channels. F is the same for all
+// entries, the mean of the candidates: weights of their own would favour those that are too bright.
+void Stages::risk_row(const Rect& tile, int y, float* lines) {
+  const int n = tile.width();
+  const auto line = [&](int i) { return lines + i * geometry_.tile_width; };
+  float* mean = line(0);
+  float* variance = line(1);
+  float* colour = line(2);
+  float* own_variance = line(3);
+  float* weight = line(4);
+  float* risk = line(5);
+  const CandidateRows rows(*candidates_.ring);
+  for (int e = 0; e < entries_; ++e) std::fill_n(raw_risks_.row(e, y) + tile.x0, n, 0.0F);
+  for (int c = 0; c < 3; ++c) {
+    const auto channel = static_cast<std::size_t>(c);
+    source_.input_row(channel, y, tile.x0, n, mean, variance);
+    source_.colour_row(channel, y, tile.x0, n, colour);
+    source_.variance_row(channel, y, tile.x0, n, own_variance);
+    std::fill_n(weight, n, 0.0F);
+    for (int k = 0; k + 1 < entries_; ++k) {
+      const float* F = rows.result(k, c, y) + tile.x0;
+      for (int i = 0; i < n; ++i) weight[i] += F[i];
+    }
+    for (int i = 0; i < n; ++i) {
+      const float F = weight[i] / static_cast<float>(entries_ - 1);
+      weight[i] = 1.0F / (3.0F * (F * F + kRelativeEpsilon));
+    }
+    for (int e = 0; e < entries_; ++e) {
+      const float* F = e == 0 ? colour : rows.result(e - 1, c, y) + tile.x0;
+      const float* D = e == 0 ? own_variance : rows.divergence(e - 1, c, y) + tile.x0;
+      sure_row(F, D, mean, variance, n, risk);
+      float* sum = raw_risks_.row(e, y) + tile.x0;
+      for (int i = 0; i < n; ++i) sum[i] += risk[i] * weight[i];
+    }
+  }
+  for (int e = 0; e < entries_; ++e) {
+    float* sum = raw_risks_.row(e, y) + tile.x0;
+    for (int i = 0; i < n; ++i) sum[i] = std::clamp(sum[i], -kRiskLimit, kRiskLimit);
+  }
+}
+
+void Stages::pick(const Rect& tile, int /*slot*/) {
+  float* maps[kMaxEntries];
+  for (int y = tile.y0; y < tile.y1; ++y) {
+    for (int e = 0; e < entries_; ++e) maps[e] = risks_.row(e, y) + tile.x0;
+    argmin_row(maps, entries_, tile.width());
+  }
+}
+
+void Stages::mix(const Rect& tile, int slot) {
+  const float* maps[kMaxEntries];
+  for (int y = tile.y0; y < tile.y1; ++y) {
+    for (int e = 0; e < entries_; ++e) maps[e] = weights_.row(e, y) + tile.x0;
+    largest_row(maps, entries_, tile.width(), result_.choice.row(y) + tile.x0);
+    mix_row(tile, y, lines_[static_cast<std::size_t>(slot)].data());
+  }
+}
+
+// The mixture of the entries, then of that and the input as `strength` says, and its own risk: for given weights F and D of a
+// mixture are the mixtures of F and D.
+void Stages::mix_row(const Rect& tile, int y, float* lines) {
+  const int n = tile.width();
+  const auto line = [&](int i) { return lines + i * geometry_.tile_width; };
+  float* mean = line(0);
+  float* variance = line(1);
+  float* F = line(2);
+  float* D = line(3);
+  const CandidateRows rows(*candidates_.ring);
+  for (int c = 0; c < 3; ++c) {
+    const auto channel = static_cast<std::size_t>(c);
+    source_.input_row(channel, y, tile.x0, n, mean, variance);
+    source_.colour_row(channel, y, tile.x0, n, F);
+    source_.variance_row(channel, y, tile.x0, n, D);
+    const float* input_weight = weights_.row(0, y) + tile.x0;
+    for (int i = 0; i < n; ++i) {
+      F[i] *= input_weight[i];
+      D[i] *= input_weight[i];
+    }
+    for (int k = 0; k + 1 < entries_; ++k) {
+      const float* w = weights_.row(k + 1, y) + tile.x0;
+      const float* Fk = rows.result(k, c, y) + tile.x0;
+      const float* Dk = rows.divergence(k, c, y) + tile.x0;
+      for (int i = 0; i < n; ++i) {
+        F[i] += w[i] * Fk[i];
+        D[i] += w[i] * Dk[i];
+      }
+    }
+    const float strength = params_.strength;
+    for (int i = 0; i < n; ++i) {
+      F[i] = strength * F[i] + (1.0F - strength) * mean[i];
+      D[i] = strength * D[i] + (1.0F - strength) * variance[i];
+    }
+    std::copy_n(F, n, result_.colour[channel].row(y) + tile.x0);
+    sure_row(F, D, mean, variance, n, raw_errors_.row(c, y) + tile.x0);
+  }
+}
+
+void Stages::finish(const Rect& tile, int slot) {
+  for (int y = tile.y0; y < tile.y1; ++y) {
+    for (int c = 0; c < 3; ++c) {
+      std::copy_n(errors_.row(c, y) + tile.x0, tile.width(), result_.error[static_cast<std::size_t>(c)].row(y) + tile.x0);
+    }
+    density_row(tile, y, lines_[static_cast<std::size_t>(slot)].data());
+  }
+}
+
+// SBF Eq. 9, before normalisation: S = (SURE + sigma^2) / (I^2 + eps), with the mean over the channels of the estimated error and
+// of the per-sample variance, and I the luminance of the result. Estimates below 0 count as 0.
+void Stages::density_row(const Rect& tile, int y, float* lines) {
+  const int n = tile.width();
+  const auto line = [&](int i) { return lines + i * geometry_.tile_width; };
+  float* count = line(0);
+  float* mean = line(1);
+  float* variance = line(2);
+  float* luminance = line(3);
+  float* density = result_.density.row(y) + tile.x0;
+  sample_count_row(source_.frame(), y, tile.x0, n, count);
+  std::fill_n(luminance, n, 0.0F);
+  std::fill_n(density, n, 0.0F);
+  for (std::size_t c = 0; c < 3; ++c) {
+    source_.input_row(c, y, tile.x0, n, mean, variance);
+    const float* error = result_.error[c].row(y) + tile.x0;
+    const float* F = result_.colour[c].row(y) + tile.x0;
+    for (int i = 0; i < n; ++i) {
+      const float sample_variance = variance[i] > 0.0F ? variance[i] * count[i] : 0.0F;
+      density[i] += (error[i] + sample_variance) / 3.0F;
+      luminance[i] += params_.luminance_weights[c] * F[i];
+    }
+  }
+  const float epsilon = params_.density.epsilon;
+  for (int i = 0; i < n; ++i) density[i] = std::max(density[i], 0.0F) / (luminance[i] * luminance[i] + epsilon);
+}
+
+}  // namespace stein

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/summary.hpp"
+
+#include <algorithm>
+#include <sstream>
+#include <vector>
+
+#include "core/validity.hpp"
+#include "kernels/guides.hpp"
+
+namespace stein {
+namespace {
+
+// Sums of one row, in double; rows are added in order, so that threads do not change the result.
+struct RowSums {
+  std::array<double, 3> error{};
+  double relative_error = 0;
+  double density = 0;
+  double radiance = 0;
+  std::vector<std::int64_t> choices;
+};
+
+RowSums sums_of_row(const DenoiseResult& result, std::size_t entries, int y) {
+  RowSums sums;
+  sums.choices.assign(entries, 0);
+  const int width = result.density.width();
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float* error = result.error[c].row(y);
+    const float* colour = result.colour[c].row(y);
+    for (int x = 0; x < width; ++x) {
+      sums.error[c] += error[x];
+      sums.relative_error += error[x] / (static_cast<double>(colour[x]) * colour[x] + 0.01);
+      sums.radiance += colour[x];
+    }
+  }
+  for (int x = 0; x < width; ++x) {
+    sums.density += result.density.row(y)[x];
+    ++sums.choices[static_cast<std::size_t>(result.choice.row(y)[x])];
+  }
+  return sums;
+}
+
+void scale_density(Plane& density, double sum, exec::Runner& runner) {
+  const double pixels = static_cast<double>(density.width()) * density.height();
+  runner.for_each(density.height(), 0.0, [&](int y, int) {
+    float* row = density.row(y);
+    for (int x = 0; x < density.width(); ++x) row[x] = sum > 0 ? static_cast<float>(row[x] * (pixels / sum)) : 1.0F;
+  });
+}
+
+bool has_all_covariances(const Frame& frame) {
+  return frame.colour_covariance[0] && std::all_of(frame.features.begin(), frame.features.end(),
+                                                   [](const Feature& f) { return !f.colour_covariance.empty(); });
+}
+
+template <class... Parts>
+void warn(DenoiseReport& report, const Parts&... parts) {
+  std::ostringstream text;
+  (text << ... << parts);
+  report.warnings.push_back(text.str());
+}
+
+void add_warnings(const Frame& frame, DenoiseReport& report) {
+  const FrameReport& found = report.frame;
+  if (found.invalid_pixels > 0) {
+    warn(report, found.invalid_pixels, " pixels had no usable colour (first: plane '", found.first_invalid.plane, "' holds ",
+         found.first_invalid.value, " at ", found.first_invalid.x, ", ", found.first_invalid.y,
+         "); they were filled from their neighbours");
+  }
+  for (std::size_t f = 0; f < frame.features.size(); ++f) {
+    if (found.bad_feature_pixels[f] > 0) {
+      warn(report, "feature '", frame.features[f].name, "' is unusable in ", found.bad_feature_pixels[f],
+           " pixels; it was left out of their distances");
+    }
+    if (frame.features[f].variance.empty()) {
+      warn(report, "feature '", frame.features[f].name, "' has no variance; it was taken as free of noise");
+    }
+  }
+  if (found.single_sample_pixels > 0) {
+    warn(report, found.single_sample_pixels,
+         " pixels have one sample: their variance cannot come from it, and the estimated error is only as good as what was given");
+  }
+  if (frame.features.empty()) warn(report, "there are no features; edges are not protected");
+  if (!frame.features.empty()) {
+    warn(report, has_all_covariances(frame) ? "covariances of colour and features are present but not used by plain SURE"
+                                            : "no covariances of colour and features",
+         "; where both are noisy the estimated error is too low");
+  }
+}
+
+}  // namespace
+
+void summarise(const Frame& frame, const DenoiseParams& params, exec::Runner& runner, double progress_weight, DenoiseResult& result) {
+  DenoiseReport& report = result.report;
+  report.candidates = candidate_names(params.filter);
+  report.risk = "SURE";
+  report.instruction_set = kernels::instruction_set();
+  std::vector<RowSums> rows(static_cast<std::size_t>(frame.height));
+  runner.for_each(frame.height, progress_weight, [&](int y, int) {
+    rows[static_cast<std::size_t>(y)] = sums_of_row(result, report.candidates.size(), y);
+  });
+
+  const double pixels = static_cast<double>(frame.width) * frame.height;
+  double density = 0;
+  double radiance = 0;
+  report.choice_share.assign(report.candidates.size(), 0.0);
+  for (const RowSums& row : rows) {
+    for (std::size_t c = 0; c < 3; ++c) report.mean_error[c] += row.error[c] / pixels;
+    report.mean_relative_error += row.relative_error / (3.0 * pixels);
+    for (std::size_t e = 0; e < row.choices.size(); ++e) report.choice_share[e] += static_cast<double>(row.choices[e]) / pixels;
+    density += row.density;
+    radiance += row.radiance;
+  }
+  report.outlier_energy = radiance > 0 ? report.outlier_energy / (radiance + report.outlier_energy) : 0.0;
+  scale_density(result.density, density, runner);
+  add_warnings(frame, report);
+}
+
+}  // namespace stein

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "prefilter/outliers.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stein {
+namespace {
+
+// Mean over the channels, its standard error, and validity of the pixels of one row, with one pixel of margin at both ends.
+struct BrightnessRow {
+  std::vector<float> mean;
+  std::vector<float> error;
+  std::vector<float> valid;
+};
+
+BrightnessRow load_brightness(const Source& source, int y) {
+  const auto width = static_cast<std::size_t>(source.frame().width);
+  BrightnessRow row{std::vector<float>(width + 2, 0.0F), std::vector<float>(width + 2, 0.0F), std::vector<float>(width + 2, 0.0F)};
+  if (y < 0 || y >= source.frame().height) return row;
+  std::vector<float> mean(width);
+  std::vector<float> variance(width);
+  for (std::size_t c = 0; c < 3; ++c) {
+    source.input_row(c, y, 0, source.frame().width, mean.data(), variance.data());
+    for (std::size_t x = 0; x < width; ++x) {
+      row.mean[x + 1] += mean[x] / 3.0F;
+      row.error[x + 1] += std::sqrt(variance[x]) / 3.0F;  // channels of one pixel err together
+    }
+  }
+  source.mask_row(y, 0, source.frame().width, row.valid.data() + 1);
+  return row;
+}
+
+struct Neighbour {
+  float mean = 0;
+  float error = 0;
+  bool found = false;
+};
+
+Neighbour brightest_neighbour(const BrightnessRow* const (&rows)[3], std::size_t x) {
+  Neighbour best;
+  for (int dy = 0; dy < 3; ++dy) {
+    for (std::size_t nx = x - 1; nx <= x + 1; ++nx) {
+      if ((dy == 1 && nx == x) || rows[dy]->valid[nx] == 0.0F) continue;
+      if (!best.found || rows[dy]->mean[nx] > best.mean) best = {rows[dy]->mean[nx], rows[dy]->error[nx], true};
+    }
+  }
+  return best;
+}
+
+OutlierReport outliers_of_row(const Source& source, const OutlierParams& params, int y) {
+  const BrightnessRow above = load_brightness(source, y - 1);
+  const BrightnessRow here = load_brightness(source, y);
+  const BrightnessRow below = load_brightness(source, y + 1);
+  const BrightnessRow* const rows[3] = {&above, &here, &below};
+  OutlierReport report;
+  for (std::size_t x = 1; x + 1 < here.mean.size(); ++x) {
+    const float mean = here.mean[x];
+    // Most pixels leave here: two neighbours at hand that are at least as bright.
+    if (here.valid[x] == 0.0F || mean <= 0.0F || mean <= here.mean[x - 1] || mean <= here.mean[x + 1]) continue;
+    const Neighbour neighbour = brightest_neighbour(rows, x);
+    const float excess = mean - neighbour.mean;
+    if (!neighbour.found || excess <= params.excess * neighbour.error || excess >= params.support * here.error[x]) continue;
+    const float scale = std::max(neighbour.mean, 0.0F) / mean;
+    ReplacedPixel pixel{static_cast<int>(x) - 1, y, {}, true};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float value = source.frame().colour[c].at(pixel.x, y);
+      pixel.colour[c] = value * scale;
+      report.removed += static_cast<double>(value) - pixel.colour[c];
+    }
+    report.pixels.push_back(pixel);
+  }
+  return report;
+}
+
+}  // namespace
+
+OutlierReport find_outliers(const Source& source, const OutlierParams& params, exec::Runner& runner) {
+  std::vector<OutlierReport> rows(static_cast<std::size_t>(source.frame().height));
+  runner.for_each(source.frame().height, 0.0, [&](int y, int) { rows[static_cast<std::size_t>(y)] = outliers_of_row(source, params, y); });
+  OutlierReport all;
+  for (const OutlierReport& row : rows) {
+    all.pixels.insert(all.pixels.end(), row.pixels.begin(), row.pixels.end());
+    all.removed += row.removed;
+  }
+  return all;
+}
+
+}  // namespace stein
