@@ -25,7 +25,7 @@ enum class Selection : std::uint8_t {
 /// Fireflies: single pixels whose brightness neither their neighbours nor their own samples support (docs/filters/outliers.md).
 struct OutlierParams {
   bool enabled = true;   ///< false: every valid pixel enters the filters as it is
-  float excess = 3.0F;   ///< [0..100] standard errors of the brightest neighbour by which an outlier exceeds it
+  float excess = 2.0F;   ///< [0..100] standard errors of the brightest neighbour by which an outlier exceeds it
   float support = 2.0F;  ///< (0..100] own standard errors by which a pixel must exceed it to be believed
 };
 

@@ -78,13 +78,16 @@ struct WriteOptions {
   bool density = true;   ///< density.V
   bool noisy = false;    ///< the input's colour as noisy.R/G/B
   bool inputs = false;   ///< keep the planes that describe the noisy input: variances, covariances, sampleCount
-  bool half_colour = false;  ///< write R, G, B as half (float otherwise)
+  bool half_colour = false;  ///< write R, G, B as half (float otherwise); what half cannot hold is clamped to +-65504
   const std::vector<std::uint32_t>* samples = nullptr;  ///< if given: `density.samples` (uint), row-major
 };
 
 /// Writes the result next to everything of `source` that does not describe its noise: other channels, parts and attributes
-/// are carried over bit for bit. The file appears whole or not at all (temporary file in the same folder, renamed).
-/// @throws Error kIo naming the file.
+/// are carried over bit for bit, streamed from the source's file, which `path` may be as well. Parts that lose or gain
+/// channels, always the one with the colour, are written as scanlines, also where the source has tiles (of a pyramid, its
+/// full size), with ZIP where its compression is lossy. Error, choice and density of an earlier run are dropped. The file
+/// appears whole or not at all (temporary file in the same folder, renamed).
+/// @throws Error kIo naming the file; kInvalidArgument if the result is not of the source's size.
 void write_result(const std::string& path, const LoadedFrame& source, const DenoiseResult& result, const WriteOptions& options = {});
 
 /// A plain file of named float planes of one size, written whole or not at all.

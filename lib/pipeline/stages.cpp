@@ -94,7 +94,8 @@ void Stages::filter_and_risk(const Rect& tile, int slot) {
 }
 
 // Relative risk of every entry: SURE (SBF Eq. 2) of each channel over F^2 + 0.01, mean over the channels. F is the same for all
-// entries, the mean of the candidates: weights of their own would favour those that are too bright.
+// entries, that of a fairly wide candidate (sigma_s = 4 in both banks of the paper): weights of their own would favour entries
+// that are too bright, and a noisy F correlates with the risk it weighs.
 void Stages::risk_row(const Rect& tile, int y, float* lines) {
   const int n = tile.width();
   const auto line = [&](int i) { return lines + i * geometry_.tile_width; };
@@ -111,14 +112,9 @@ void Stages::risk_row(const Rect& tile, int y, float* lines) {
     source_.input_row(channel, y, tile.x0, n, mean, variance);
     source_.colour_row(channel, y, tile.x0, n, colour);
     source_.variance_row(channel, y, tile.x0, n, own_variance);
-    std::fill_n(weight, n, 0.0F);
-    for (int k = 0; k + 1 < entries_; ++k) {
-      const float* F = rows.result(k, c, y) + tile.x0;
-      for (int i = 0; i < n; ++i) weight[i] += F[i];
-    }
+    const float* common = rows.result(2 * (entries_ - 1) / 3, c, y) + tile.x0;
     for (int i = 0; i < n; ++i) {
-      const float F = weight[i] / static_cast<float>(entries_ - 1);
-      weight[i] = 1.0F / (3.0F * (F * F + kRelativeEpsilon));
+      weight[i] = 1.0F / (3.0F * (common[i] * common[i] + kRelativeEpsilon));
     }
     for (int e = 0; e < entries_; ++e) {
       const float* F = e == 0 ? colour : rows.result(e - 1, c, y) + tile.x0;

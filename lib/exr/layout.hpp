@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Which channel of a file is what, under a schema.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "exr/schema.hpp"
+#include "exr/source_file.hpp"
+
+namespace stein::exr {
+
+/// All channels are indices into SourceFile::channels(); -1: the file has none.
+struct FeatureLayout {
+  std::string name;
+  std::vector<int> mean;
+  std::vector<int> variance;    ///< empty or one per mean
+  std::vector<int> covariance;  ///< empty or [colour * mean.size() + k]
+};
+
+struct LayerLayout {
+  std::string name;
+  std::array<int, 3> mean{};
+};
+
+struct Layout {
+  int main_part = -1;                   ///< the part with the colour
+  std::vector<std::string> full_names;  ///< per channel, qualified by its part where that is not the main one
+  std::vector<Role> roles;              ///< per channel
+  std::vector<std::string> words;       ///< per channel: the role in words, empty for Role::kNone
+  std::array<int, 3> colour = {-1, -1, -1};
+  std::array<int, 3> variance = {-1, -1, -1};
+  std::array<int, 3> covariance = {-1, -1, -1};  ///< RG, RB, GB; all or none
+  int alpha = -1;
+  int sample_count = -1;
+  std::vector<FeatureLayout> features;
+  std::vector<LayerLayout> extra_layers;  ///< R, G, B layers that are not features
+  std::vector<std::string> missing;       ///< in words; nothing about sample counts
+};
+
+/// @throws Error kInvalidFrame for a feature of which the file holds only some planes, or too many channels.
+[[nodiscard]] Layout lay_out(const SourceFile& file, const Schema& schema);
+
+/// The part that holds the colour (-1: none), and the channels' full names.
+[[nodiscard]] int find_main_part(const SourceFile& file, const Schema& schema);
+[[nodiscard]] std::vector<std::string> full_names(const SourceFile& file, const Schema& schema, int main_part);
+
+}  // namespace stein::exr

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "exr/colour_space.hpp"
+#include "stein/exr.hpp"
+
+namespace stein::exr {
+
+/// Memory for planes, aligned to cache lines and not initialised: pages that are never read into cost nothing.
+class PlaneMemory {
+ public:
+  static constexpr std::size_t kAlignment = 64;
+
+  PlaneMemory() = default;
+  explicit PlaneMemory(std::size_t bytes)
+      : data_(static_cast<std::byte*>(::operator new (bytes, std::align_val_t{kAlignment}))) {}
+
+  [[nodiscard]] std::byte* data() const noexcept { return data_.get(); }
+
+ private:
+  struct Free {
+    void operator()(std::byte* data) const noexcept { ::operator delete (data, std::align_val_t{kAlignment}); }
+  };
+  std::unique_ptr<std::byte, Free> data_;
+};
+
+struct LoadedFrame::Data {
+  std::string path;
+  PlaneMemory memory;
+  Frame frame;
+  std::vector<ChannelInfo> channels;
+  std::array<int, 4> data_window{};
+  ColourSpace colour_space;
+  std::vector<std::string> missing;
+};
+
+}  // namespace stein::exr

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Parts: which one holds the colour, and what the channels of the others are called in full.
+#include <ImfChannelList.h>
+
+#include <algorithm>
+
+#include "exr/layout.hpp"
+
+namespace stein::exr {
+namespace {
+
+bool has_rgb(const Imf::Header& header) {
+  const Imf::ChannelList& list = header.channels();
+  return list.findChannel("R") != nullptr && list.findChannel("G") != nullptr && list.findChannel("B") != nullptr;
+}
+
+/// Whether a part of this name is one layer of the schema, such as "albedo" or "variance".
+bool is_layer(const Schema& schema, const std::string& part_name) {
+  if (part_name.empty()) return false;
+  const auto found = match(schema, part_name + ".R");
+  return found && (found->entry->role != Role::kFeatureMean || schema.knows_feature(found->feature));
+}
+
+/// A part's channels belong below its name if some of them have no layer of their own, as in a part "albedo" with R, G,
+/// B; a part that only groups layers, such as "features" with albedo.R, adds nothing to their names.
+bool qualifies(const SourceFile& file, const Schema& schema, int part) {
+  const std::string name = file.part_name(part);
+  if (name.empty()) return false;
+  if (is_layer(schema, name)) return true;
+  return std::any_of(file.channels().begin(), file.channels().end(), [&](const Channel& channel) {
+    return channel.part == part && channel.name.find('.') == std::string::npos && channel.name != "sampleCount";
+  });
+}
+
+}  // namespace
+
+int find_main_part(const SourceFile& file, const Schema& schema) {
+  int found = -1;
+  int rank_found = 0;
+  for (int part = 0; part < file.parts(); ++part) {
+    if (!has_rgb(file.header(part)) || (file.parts() > 1 && is_layer(schema, file.part_name(part)))) continue;
+    const bool usual =
+        std::find(schema.main_parts.begin(), schema.main_parts.end(), file.part_name(part)) != schema.main_parts.end();
+    const int rank = (file.is_deep(part) ? 1 : 3) + (usual ? 1 : 0);
+    if (rank > rank_found) {
+      found = part;
+      rank_found = rank;
+    }
+  }
+  return found;
+}
+
+std::vector<std::string> full_names(const SourceFile& file, const Schema& schema, int main_part) {
+  std::vector<char> qualified(static_cast<std::size_t>(file.parts()));
+  for (int part = 0; part < file.parts(); ++part) {
+    qualified[static_cast<std::size_t>(part)] = file.parts() > 1 && part != main_part && qualifies(file, schema, part);
+  }
+  std::vector<std::string> names;
+  names.reserve(file.channels().size());
+  for (const Channel& channel : file.channels()) {
+    const std::string part = file.part_name(channel.part);
+    const bool as_it_is = qualified[static_cast<std::size_t>(channel.part)] == 0 || channel.name == "sampleCount" ||
+                          channel.name.rfind(part + ".", 0) == 0;
+    names.push_back(as_it_is ? channel.name : part + "." + channel.name);
+  }
+  return names;
+}
+
+}  // namespace stein::exr

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What becomes of each part and channel of the source in a result file.
+#pragma once
+
+#include <ImfHeader.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "exr/layout.hpp"
+
+namespace stein::exr {
+
+struct PartPlan {
+  int source_part = 0;
+  bool copied = false;               ///< chunks are copied as they are; otherwise rows are written anew
+  Imf::Header header;                ///< of the output part
+  std::vector<std::string> carried;  ///< channels taken from the source; meaningful if not copied
+};
+
+struct OutputRules {
+  bool keep_inputs = false;
+  bool replace_noisy = false;
+  std::vector<std::pair<std::string, Imf::PixelType>> new_channels;  ///< of the main part
+};
+
+/// The parts of the output in the source's order; parts that lose all channels are left out. A part that is written
+/// anew has scanlines from the top, and ZIP where the source's compression is lossy.
+[[nodiscard]] std::vector<PartPlan> plan_output(const SourceFile& source, const Layout& layout,
+                                                const OutputRules& rules);
+
+}  // namespace stein::exr

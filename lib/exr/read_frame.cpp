@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <ImfChannelList.h>
+#include <ImfFloatAttribute.h>
+#include <ImfIntAttribute.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "exr/layout.hpp"
+#include "exr/loaded_frame.hpp"
+#include "exr/part_reader.hpp"
+
+namespace stein::exr {
+namespace {
+
+class FrameReader {
+ public:
+  FrameReader(const std::string& path, const ReadOptions& options, LoadedFrame::Data& data)
+      : options_(options), data_(data), file_(path), layout_(lay_out(file_, native_schema())) {}
+
+  void read() {
+    require_colour();
+    const Imf::Header& main = file_.header(layout_.main_part);
+    data_.path = file_.path();
+    data_.missing = layout_.missing;
+    data_.data_window = window_of(main);
+    data_.colour_space = colour_space(main, file_.path());
+    data_.frame.width = width_of(main);
+    data_.frame.height = height_of(main);
+    data_.frame.origin = file_.path();
+    find_sample_count();
+    choose_planes();
+    read_planes();
+    fill_frame();
+    list_channels();
+  }
+
+ private:
+  [[noreturn]] void fail(ErrorCode code, const std::string& what) const {
+    throw Error(code, "'" + file_.path() + "': " + what);
+  }
+
+  void require_colour() const {
+    const int main = layout_.main_part;
+    if (main >= 0 && file_.is_deep(main)) {
+      fail(ErrorCode::kUnsupported, "R, G, B are deep; stein reads the colour from a flat part: flatten it first");
+    }
+    std::string missing = absent(layout_.colour, "");
+    if (!missing.empty()) {
+      fail(ErrorCode::kInvalidFrame, "it has no " + missing + ", the noisy colour; it has " + some_names() +
+                                         ". Rename the channels to stein's names (docs/inputs.md)");
+    }
+    missing = absent(layout_.variance, "variance.");
+    if (!missing.empty()) {
+      fail(ErrorCode::kInvalidFrame, "it has no " + missing +
+                                         ", the variance of the mean colour; have the renderer write it, or accumulate "
+                                         "it from the samples (docs/inputs.md); it has " +
+                                         some_names());
+    }
+  }
+
+  static std::string absent(const std::array<int, 3>& channels, const std::string& layer) {
+    std::string names;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (channels[i] < 0) names += (names.empty() ? "" : ", ") + layer + "RGB"[i];
+    }
+    return names;
+  }
+
+  std::string some_names() const {
+    constexpr std::size_t kShown = 12;
+    const auto& names = layout_.full_names;
+    std::string list = names.empty() ? "no channels" : "";
+    for (std::size_t i = 0; i < std::min(kShown, names.size()); ++i) list += (i == 0 ? "" : ", ") + names[i];
+    return names.size() > kShown ? list + ", ..." : list;
+  }
+
+  void find_sample_count() {
+    if (layout_.sample_count >= 0) return;
+    const float stated = stated_samples();
+    if (stated < 1 && options_.samples_per_pixel < 1) {
+      fail(ErrorCode::kInvalidFrame,
+           "it has neither a channel sampleCount nor an attribute samplesPerPixel; pass the number of samples per "
+           "pixel");
+    }
+    data_.frame.uniform_sample_count = stated >= 1 ? stated : options_.samples_per_pixel;
+    data_.missing.push_back("no sampleCount: every pixel is taken to have " +
+                            std::to_string(std::lround(data_.frame.uniform_sample_count)) + " samples, as " +
+                            (stated >= 1 ? "the attribute samplesPerPixel says" : "given"));
+  }
+
+  /// The attribute samplesPerPixel; 0 where there is none that can be used.
+  float stated_samples() const {
+    const Imf::Header& header = file_.header(layout_.main_part);
+    float samples = 0;
+    if (const auto* whole = header.findTypedAttribute<Imf::IntAttribute>("samplesPerPixel")) {
+      samples = static_cast<float>(whole->value());
+    } else if (const auto* real = header.findTypedAttribute<Imf::FloatAttribute>("samplesPerPixel")) {
+      samples = real->value();
+    }
+    return std::isfinite(samples) && samples >= 1 ? samples : 0;
+  }
+
+  void choose_planes() {
+    views_.resize(file_.channels().size());
+    require_full_resolution();
+    choose(layout_.colour);
+    choose(layout_.variance);
+    choose(std::array{layout_.sample_count});
+    if (options_.read_covariances) choose(layout_.covariance);
+    for (const FeatureLayout& feature : layout_.features) {
+      choose(feature.mean);
+      choose(feature.variance);
+      if (options_.read_covariances) choose(feature.covariance);
+    }
+    if (!options_.read_extra_layers) return;
+    choose(std::array{layout_.alpha});
+    for (const LayerLayout& layer : layout_.extra_layers) {
+      if (std::all_of(layer.mean.begin(), layer.mean.end(), [&](int i) { return fits(channel(i)); }))
+        choose(layer.mean);
+    }
+  }
+
+  /// Of all channels of the main part: what is not read is carried over row by row.
+  void require_full_resolution() const {
+    for (std::size_t i = 0; i < file_.channels().size(); ++i) {
+      const Channel& from = file_.channels()[i];
+      if (from.part == layout_.main_part && from.subsampled) refuse(static_cast<int>(i));
+    }
+  }
+
+  const Channel& channel(int index) const { return file_.channels()[static_cast<std::size_t>(index)]; }
+
+  bool fits(const Channel& channel) const {
+    return window_of(file_.header(channel.part)) == data_.data_window && !channel.subsampled;
+  }
+
+  template <class Indices>
+  void choose(const Indices& indices) {
+    for (const int index : indices) {
+      if (index < 0) continue;
+      if (!fits(channel(index))) refuse(index);
+      planes_.push_back(index);
+    }
+  }
+
+  [[noreturn]] void refuse(int index) const {
+    const std::string& name = layout_.full_names[static_cast<std::size_t>(index)];
+    if (channel(index).subsampled) {
+      fail(ErrorCode::kUnsupported, "channel " + name + " is subsampled; write it at full resolution");
+    }
+    fail(ErrorCode::kInvalidFrame, "the data window of part '" + file_.part_name(channel(index).part) + "' with " +
+                                       name + " differs from that of the colour; write both with the same data window");
+  }
+
+  /// One allocation for all planes, each in the file's own type; a part is read straight into it.
+  void read_planes() {
+    const std::size_t pixels =
+        static_cast<std::size_t>(data_.frame.width) * static_cast<std::size_t>(data_.frame.height);
+    // Planes that start at equal addresses modulo 4096 fight for the same cache sets: each start moves on a few lines.
+    constexpr std::size_t kStagger = 5 * PlaneMemory::kAlignment;
+    std::size_t bytes = 0;
+    std::vector<std::size_t> offsets;
+    for (const int index : planes_) {
+      offsets.push_back(bytes);
+      bytes += pixels * static_cast<std::size_t>(byte_size(scalar_type(channel(index).type))) + kStagger;
+      bytes = (bytes + PlaneMemory::kAlignment - 1) / PlaneMemory::kAlignment * PlaneMemory::kAlignment;
+    }
+    data_.memory = PlaneMemory(bytes);
+    std::vector<Imf::FrameBuffer> targets(static_cast<std::size_t>(file_.parts()));
+    for (std::size_t i = 0; i < planes_.size(); ++i) {
+      const Channel& from = channel(planes_[i]);
+      const std::byte* to = data_.memory.data() + offsets[i];
+      const Imf::Header& header = file_.header(from.part);
+      targets[static_cast<std::size_t>(from.part)].insert(
+          from.name, packed_slice(header, from.type, to, header.dataWindow().min.y, data_.frame.height));
+      views_[static_cast<std::size_t>(planes_[i])] =
+          ConstPlaneView(to, scalar_type(from.type), data_.frame.width, data_.frame.height);
+    }
+    for (int part = 0; part < file_.parts(); ++part) {
+      const Imf::FrameBuffer& target = targets[static_cast<std::size_t>(part)];
+      if (target.begin() == target.end()) continue;
+      PartReader(file_, part).read(target, data_.data_window[1], data_.data_window[3]);
+    }
+  }
+
+  ConstPlaneView view(int index) const {
+    return index < 0 ? ConstPlaneView() : views_[static_cast<std::size_t>(index)];
+  }
+
+  std::array<ConstPlaneView, 3> views(const std::array<int, 3>& indices) const {
+    return {view(indices[0]), view(indices[1]), view(indices[2])};
+  }
+
+  std::vector<ConstPlaneView> views(const std::vector<int>& indices) const {
+    std::vector<ConstPlaneView> result;
+    for (const int index : indices) result.push_back(view(index));
+    return result;
+  }
+
+  void fill_frame() {
+    Frame& frame = data_.frame;
+    frame.colour = views(layout_.colour);
+    frame.colour_variance = views(layout_.variance);
+    frame.colour_covariance = views(layout_.covariance);
+    frame.sample_count = view(layout_.sample_count);
+    frame.alpha = view(layout_.alpha);
+    for (const FeatureLayout& feature : layout_.features) {
+      frame.features.push_back({feature.name, views(feature.mean), views(feature.variance), {}});
+      if (options_.read_covariances) frame.features.back().colour_covariance = views(feature.covariance);
+    }
+    for (const LayerLayout& layer : layout_.extra_layers) {
+      if (view(layer.mean[0])) frame.extra_layers.push_back({layer.name, views(layer.mean)});
+    }
+  }
+
+  void list_channels() {
+    for (std::size_t i = 0; i < file_.channels().size(); ++i) {
+      const Channel& from = file_.channels()[i];
+      const char* type = from.type == Imf::HALF ? "half" : from.type == Imf::UINT ? "uint" : "float";
+      data_.channels.push_back(
+          {file_.parts() > 1 ? file_.part_name(from.part) : "", from.name, type, layout_.words[i]});
+    }
+  }
+
+  const ReadOptions& options_;
+  LoadedFrame::Data& data_;
+  SourceFile file_;
+  Layout layout_;
+  std::vector<int> planes_;            // to be read, as channel indices
+  std::vector<ConstPlaneView> views_;  // per channel of the file; absent where not read
+};
+
+}  // namespace
+
+LoadedFrame read_frame(const std::string& path, const ReadOptions& options) {
+  if (!(options.samples_per_pixel >= 0) || !std::isfinite(options.samples_per_pixel)) {
+    throw Error(ErrorCode::kInvalidArgument, "ReadOptions::samples_per_pixel is " +
+                                                 std::to_string(options.samples_per_pixel) +
+                                                 "; it must be a finite number, and 0 or at least 1");
+  }
+  LoadedFrame loaded;
+  with_io_errors("read '" + path + "'", [&] { FrameReader(path, options, *loaded.data_).read(); });
+  return loaded;
+}
+
+}  // namespace stein::exr

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "exr/colour_space.hpp"
+#include "exr/layout.hpp"
+#include "exr/part_reader.hpp"
+#include "stein/exr.hpp"
+
+namespace stein::exr {
+namespace {
+
+class PlanesReader {
+ public:
+  explicit PlanesReader(const std::string& path)
+      : file_(path),
+        main_part_(find_main_part(file_, native_schema())),
+        full_names_(full_names(file_, native_schema(), main_part_)) {}
+
+  NamedPlanes read(std::vector<std::string> names) {
+    if (names.empty()) names = {"R", "G", "B"};
+    std::vector<int> found;
+    for (const std::string& name : names) found.push_back(find(name));
+    NamedPlanes result;
+    const Imf::Header& first = file_.header(channel(found[0]).part);
+    result.names = std::move(names);
+    result.data_window = window_of(first);
+    result.to_rec709 = colour_space(first, file_.path()).to_rec709;
+    for (std::size_t i = 0; i < found.size(); ++i) check(found[i], result.names[i], result.data_window);
+    for (std::size_t i = 0; i < found.size(); ++i) result.planes.emplace_back(width_of(first), height_of(first));
+    for (int part = 0; part < file_.parts(); ++part) read_part(part, found, result.planes);
+    return result;
+  }
+
+ private:
+  const Channel& channel(int index) const { return file_.channels()[static_cast<std::size_t>(index)]; }
+
+  /// By "part/channel", by full name, or by the name in the file where only one part has it.
+  int find(const std::string& name) const {
+    const auto count = static_cast<int>(file_.channels().size());
+    int by_name = -1;
+    for (int i = 0; i < count; ++i) {
+      if (full_names_[static_cast<std::size_t>(i)] == name ||
+          file_.part_name(channel(i).part) + "/" + channel(i).name == name) {
+        return i;
+      }
+      if (channel(i).name == name) by_name = by_name == -1 ? i : -2;
+    }
+    if (by_name >= 0) return by_name;
+    std::string list;
+    for (const std::string& known : full_names_) list += (list.empty() ? "" : ", ") + known;
+    throw Error(ErrorCode::kInvalidFrame, "'" + file_.path() + "': it has no channel " + name + "; it has " + list);
+  }
+
+  void check(int index, const std::string& name, const std::array<int, 4>& window) const {
+    const Channel& from = channel(index);
+    if (file_.is_deep(from.part) || from.subsampled) {
+      throw Error(ErrorCode::kUnsupported, "'" + file_.path() + "': channel " + name + " is " +
+                                               (from.subsampled ? "subsampled" : "deep") +
+                                               "; stein reads flat channels of full resolution");
+    }
+    if (window_of(file_.header(from.part)) != window) {
+      throw Error(ErrorCode::kInvalidFrame, "'" + file_.path() + "': the data window of channel " + name +
+                                                " differs from that of the first channel; read them one by one");
+    }
+  }
+
+  void read_part(int part, const std::vector<int>& found, std::vector<Plane>& planes) {
+    const Imf::Header& header = file_.header(part);
+    const Imath::V2i origin = header.dataWindow().min;
+    Imf::FrameBuffer target;
+    std::vector<std::pair<std::size_t, std::size_t>> copies;  // of channels that were asked for more than once
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (channel(found[i]).part != part) continue;
+      const auto first = static_cast<std::size_t>(std::find(found.begin(), found.end(), found[i]) - found.begin());
+      if (first != i) {
+        copies.emplace_back(first, i);
+        continue;
+      }
+      Plane& plane = planes[i];
+      target.insert(channel(found[i]).name,
+                    Imf::Slice::Make(Imf::FLOAT, plane.row(0), origin, plane.width(), plane.height(), sizeof(float),
+                                     static_cast<std::size_t>(plane.row_stride())));
+    }
+    if (target.begin() == target.end()) return;
+    PartReader(file_, part).read(target, header.dataWindow().min.y, header.dataWindow().max.y);
+    for (const auto& [from, to] : copies) {
+      for (int y = 0; y < planes[to].height(); ++y) {
+        std::copy_n(planes[from].row(y), planes[from].width(), planes[to].row(y));
+      }
+    }
+  }
+
+  SourceFile file_;
+  int main_part_;
+  std::vector<std::string> full_names_;
+};
+
+}  // namespace
+
+NamedPlanes read_planes(const std::string& path, const std::vector<std::string>& names) {
+  return with_io_errors("read '" + path + "'", [&] { return PlanesReader(path).read(names); });
+}
+
+}  // namespace stein::exr

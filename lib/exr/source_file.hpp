@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// An OpenEXR file opened for reading and checked: nothing that its header promises is larger than the file can hold.
+#pragma once
+
+#include <ImfHeader.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfPixelType.h>
+
+#include <array>
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <new>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "exr/guarded_stream.hpp"
+#include "stein/error.hpp"
+#include "stein/plane.hpp"
+
+namespace stein::exr {
+
+struct Channel {
+  int part = 0;
+  std::string name;  ///< as in the file
+  Imf::PixelType type = Imf::FLOAT;
+  bool subsampled = false;
+};
+
+class SourceFile {
+ public:
+  /// @throws Error kIo naming the file.
+  explicit SourceFile(std::string path);
+
+  [[nodiscard]] const std::string& path() const noexcept { return path_; }
+  [[nodiscard]] Imf::MultiPartInputFile& input() noexcept { return *input_; }
+  [[nodiscard]] std::int64_t size() const noexcept { return size_; }  ///< bytes
+  [[nodiscard]] int parts() const { return input_->parts(); }
+  [[nodiscard]] const Imf::Header& header(int part) const { return input_->header(part); }
+  [[nodiscard]] std::string part_name(int part) const;
+  [[nodiscard]] bool is_deep(int part) const;
+  [[nodiscard]] bool is_tiled(int part) const;
+  /// Channels of all parts, in the order of the parts, then of the names.
+  [[nodiscard]] const std::vector<Channel>& channels() const noexcept { return channels_; }
+
+  /// Bytes of one decoded chunk. No chunk of a flat part is larger.
+  [[nodiscard]] std::int64_t chunk_bytes(int part) const;
+  /// Refuses single reads of more bytes from now on; 0 lifts the limit.
+  void limit_reads(std::int64_t bytes) noexcept { stream_->set_limit(bytes > 0 ? bytes : GuardedStream::kNoLimit); }
+
+  /// @throws Error kIo if scanlines or tiles of the part are missing.
+  void require_complete(int part) const;
+
+ private:
+  std::string path_;
+  std::int64_t size_ = 0;
+  std::unique_ptr<GuardedStream> stream_;
+  std::unique_ptr<Imf::MultiPartInputFile> input_;
+  std::vector<Channel> channels_;
+};
+
+/// Size of a part's data window. Checked on opening to be within what an int and the file can hold.
+[[nodiscard]] int width_of(const Imf::Header& header);
+[[nodiscard]] int height_of(const Imf::Header& header);
+[[nodiscard]] std::array<int, 4> window_of(const Imf::Header& header);
+
+[[nodiscard]] ScalarType scalar_type(Imf::PixelType type);
+[[nodiscard]] Imf::PixelType pixel_type(ScalarType type);
+
+/// Runs `work` and turns whatever OpenEXR or the standard library throws into Error kIo: "cannot <action>: <why>".
+template <class Work>
+auto with_io_errors(const std::string& action, Work&& work) {
+  try {
+    return std::forward<Work>(work)();
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::kIo, "cannot " + action + ": not enough memory for its planes");
+  } catch (const std::exception& error) {
+    throw Error(ErrorCode::kIo, "cannot " + action + ": " + error.what());
+  }
+}
+
+}  // namespace stein::exr

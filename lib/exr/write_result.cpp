@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "exr/loaded_frame.hpp"
+#include "exr/output_plan.hpp"
+#include "exr/part_writer.hpp"
+#include "exr/replacing_file.hpp"
+
+namespace stein::exr {
+namespace {
+
+constexpr std::array<const char*, 3> kRgb = {"R", "G", "B"};
+
+void check_size(const std::string& path, const Frame& frame, const std::string& plane, const Plane& given) {
+  if (given.width() == frame.width && given.height() == frame.height) return;
+  throw Error(ErrorCode::kInvalidArgument, "cannot write '" + path + "': " + plane + " of the result has " +
+                                               std::to_string(given.width()) + " x " + std::to_string(given.height()) +
+                                               " pixels, but the source '" + frame.origin + "' has " +
+                                               std::to_string(frame.width) + " x " + std::to_string(frame.height));
+}
+
+/// What is new in the main part.
+std::vector<MemoryChannel> result_channels(const std::string& path, const Frame& frame, const DenoiseResult& result,
+                                           const WriteOptions& options) {
+  std::vector<MemoryChannel> channels;
+  const auto add = [&](const std::string& name, const Plane& plane, Imf::PixelType type) {
+    check_size(path, frame, name, plane);
+    channels.push_back({name, type, plane.view()});
+  };
+  for (std::size_t c = 0; c < 3; ++c) {
+    add(kRgb[c], result.colour[c], options.half_colour ? Imf::HALF : Imf::FLOAT);
+    if (options.error) add(std::string("error.") + kRgb[c], result.error[c], Imf::FLOAT);
+    const ConstPlaneView& noisy = frame.colour[c];
+    if (options.noisy) channels.push_back({std::string("noisy.") + kRgb[c], pixel_type(noisy.type()), noisy});
+  }
+  if (options.choice) add("choice.V", result.choice, Imf::FLOAT);
+  if (options.density) add("density.V", result.density, Imf::FLOAT);
+  if (options.samples == nullptr) return channels;
+  const auto pixels = static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height);
+  if (options.samples->size() != pixels) {
+    throw Error(ErrorCode::kInvalidArgument, "cannot write '" + path + "': WriteOptions::samples holds " +
+                                                 std::to_string(options.samples->size()) + " counts for " +
+                                                 std::to_string(pixels) + " pixels");
+  }
+  channels.push_back({"density.samples", Imf::UINT,
+                      ConstPlaneView(options.samples->data(), ScalarType::kUint32, frame.width, frame.height)});
+  return channels;
+}
+
+/// The source as it is now, which must still be the file that was read.
+Layout reopened_layout(const SourceFile& file, const LoadedFrame& source) {
+  Layout layout = lay_out(file, native_schema());
+  if (layout.main_part < 0 || file.channels().size() != source.channels().size() ||
+      window_of(file.header(layout.main_part)) != source.data_window()) {
+    throw Error(ErrorCode::kIo, "'" + file.path() + "' has changed since it was read; read it again");
+  }
+  return layout;
+}
+
+void write_parts(SourceFile& file, const std::vector<PartPlan>& plan, int main_part,
+                 const std::vector<MemoryChannel>& channels, Imf::OStream& stream) {
+  std::vector<Imf::Header> headers;
+  headers.reserve(plan.size());
+  for (const PartPlan& part : plan) headers.push_back(part.header);
+  Imf::MultiPartOutputFile output(stream, headers.data(), static_cast<int>(headers.size()));
+  for (std::size_t i = 0; i < plan.size(); ++i) {
+    const int at = static_cast<int>(i);
+    if (plan[i].copied) {
+      copy_part(file, plan[i], output, at);
+    } else {
+      write_part(&file, plan[i], plan[i].source_part == main_part ? channels : std::vector<MemoryChannel>(), output,
+                 at);
+    }
+  }
+}
+
+}  // namespace
+
+void write_result(const std::string& path, const LoadedFrame& source, const DenoiseResult& result,
+                  const WriteOptions& options) {
+  const std::vector<MemoryChannel> channels = result_channels(path, source.frame(), result, options);
+  with_io_errors("write '" + path + "' from '" + source.path() + "'", [&] {
+    SourceFile file(source.path());
+    const Layout layout = reopened_layout(file, source);
+    OutputRules rules{options.inputs, options.noisy, {}};
+    for (const MemoryChannel& channel : channels) rules.new_channels.emplace_back(channel.name, channel.type);
+    const std::vector<PartPlan> plan = plan_output(file, layout, rules);
+    ReplacingFile target(path);
+    write_parts(file, plan, layout.main_part, channels, target.stream());
+    target.commit();
+  });
+}
+
+}  // namespace stein::exr
