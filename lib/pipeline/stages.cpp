@@ -16,6 +16,7 @@ namespace {
 // 800. Feature sigmas are doubled: each pass weighs edges anew, and three narrow passes would smooth too little.
 const std::vector<int> kRiskSteps = {1, 2, 4};
 const std::vector<int> kWeightSteps = {1, 2};
+const std::vector<int> kErrorSteps = {1, 2, 4};
 constexpr float kSmoothingSigmaScale = 2.0F;
 
 constexpr float kRelativeEpsilon = 0.01F;  // of relative MSE, SBF sec. 5.2
@@ -28,7 +29,7 @@ const CrossBilateralParams& guides_of(const FilterSpec& spec) {
 // Total reach of all passes: the rows that windows must hold on either side.
 std::vector<int> all_halos() {
   std::vector<int> halos;
-  for (const std::vector<int>* steps : {&kRiskSteps, &kWeightSteps, &kRiskSteps}) {
+  for (const std::vector<int>* steps : {&kRiskSteps, &kWeightSteps, &kErrorSteps}) {
     for (const int step : *steps) halos.push_back(GuidedPass::kRadius * step);
   }
   return halos;
@@ -57,14 +58,14 @@ void Stages::plan(int slots) {
   raw_risks_ = add_ring(entries_);
   raw_errors_ = add_ring(3);
   list_.push_back({"filter", 0, 10.0, [this](const Rect& tile, int slot) { filter_and_risk(tile, slot); }});
-  risks_ = add_passes("smooth risk", raw_risks_, kRiskSteps, &Stages::pick);
+  risks_ = add_passes("smooth risk", raw_risks_, PassKernel::kBox, kRiskSteps, &Stages::pick);
   if (params_.selection == Selection::kBlend) {
-    weights_ = add_passes("select", risks_, kWeightSteps, &Stages::mix);
+    weights_ = add_passes("select", risks_, PassKernel::kB3Spline, kWeightSteps, &Stages::mix);
   } else {
     weights_ = risks_;
     list_.push_back({"select", 0, 0.1, [this](const Rect& tile, int slot) { mix(tile, slot); }});
   }
-  errors_ = add_passes("smooth error", raw_errors_, kRiskSteps, &Stages::finish);
+  errors_ = add_passes("smooth error", raw_errors_, PassKernel::kB3Spline, kErrorSteps, &Stages::finish);
 }
 
 MapRows Stages::add_ring(int planes) {
@@ -72,9 +73,10 @@ MapRows Stages::add_ring(int planes) {
   return {rings_.back().get(), 0, planes};
 }
 
-MapRows Stages::add_passes(const std::string& name, MapRows maps, const std::vector<int>& steps, TileStep then) {
+MapRows Stages::add_passes(const std::string& name, MapRows maps, PassKernel kernel, const std::vector<int>& steps,
+                           TileStep then) {
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    passes_.push_back(std::make_unique<GuidedPass>(source_, guides_of(params_.filter), kSmoothingSigmaScale, steps[i],
+    passes_.push_back(std::make_unique<GuidedPass>(source_, guides_of(params_.filter), kSmoothingSigmaScale, kernel, steps[i],
                                                    geometry_.tile_width, geometry_.tile_height));
     const GuidedPass* pass = passes_.back().get();
     const MapRows out = add_ring(maps.count);

@@ -30,7 +30,7 @@ class Stages {
 
   void plan(int slots);
   /// Appends a chain of smoothing passes over `maps`; `then` handles each tile of the last one. Returns where that leaves them.
-  MapRows add_passes(const std::string& name, MapRows maps, const std::vector<int>& steps, TileStep then);
+  MapRows add_passes(const std::string& name, MapRows maps, PassKernel kernel, const std::vector<int>& steps, TileStep then);
   MapRows add_ring(int planes);
 
   void filter_and_risk(const Rect& tile, int slot);

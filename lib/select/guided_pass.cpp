@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "select/guided_pass.hpp"
 
+#include <array>
+
 #include "kernels/guided_smooth.hpp"
 
 namespace stein {
@@ -15,15 +17,19 @@ CrossBilateralParams scaled_guides(const CrossBilateralParams& params, float sig
 
 }  // namespace
 
-GuidedPass::GuidedPass(const Source& source, const CrossBilateralParams& params, float sigma_scale, int step, int tile_width,
-                       int tile_height)
+GuidedPass::GuidedPass(const Source& source, const CrossBilateralParams& params, float sigma_scale, PassKernel kernel,
+                       int step, int tile_width, int tile_height)
     : source_(source),
       guides_(source, scaled_guides(params, sigma_scale), false),
       layout_(tile_width, tile_height, kRadius * step) {
+  constexpr std::array<float, 5> kSpline = {1.0F / 16, 4.0F / 16, 6.0F / 16, 4.0F / 16, 1.0F / 16};
+  const auto weight = [&](int i) { return kernel == PassKernel::kBox ? 1.0F : kSpline.at(static_cast<std::size_t>(i + kRadius)); };
   for (int dy = -kRadius; dy <= kRadius; ++dy) {
-    for (int dx = -kRadius; dx <= kRadius; ++dx) taps_.push_back(layout_.offset(dx * step, dy * step));
+    for (int dx = -kRadius; dx <= kRadius; ++dx) {
+      taps_.push_back(layout_.offset(dx * step, dy * step));
+      spatial_.push_back(weight(dx) * weight(dy));
+    }
   }
-  spatial_.assign(taps_.size(), 1.0F);
   while (taps_.size() % kernels::kTapBatch != 0) {  // padding: the pixel itself with factor 0
     taps_.push_back(0);
     spatial_.push_back(0.0F);

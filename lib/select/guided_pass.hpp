@@ -20,12 +20,19 @@ struct MapRows {
   [[nodiscard]] float* row(int map, int y) const noexcept { return ring->row(first_plane + map, y); }
 };
 
+/// Spatial weights of the five taps of a pass, in x and in y.
+enum class PassKernel {
+  kBox,      ///< widest for its taps; several passes leave a faint grid around isolated values
+  kB3Spline, ///< 1 4 6 4 1: smooth over any number of passes
+};
+
 class GuidedPass {
  public:
   static constexpr int kRadius = 2;  ///< in taps
 
   /// The guides of `params` without a range term, with all feature sigmas times `sigma_scale`.
-  GuidedPass(const Source& source, const CrossBilateralParams& params, float sigma_scale, int step, int tile_width, int tile_height);
+  GuidedPass(const Source& source, const CrossBilateralParams& params, float sigma_scale, PassKernel kernel, int step,
+             int tile_width, int tile_height);
 
   [[nodiscard]] int halo() const noexcept { return layout_.halo; }
 

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "denoise_options.hpp"
+
+#include <CLI/Option.hpp>
+#include <CLI/Validators.hpp>
+#include <array>
+
+#include "arguments.hpp"
+
+namespace stein::cli {
+namespace {
+
+constexpr const char* kFooter =
+    "OUT holds the denoised colour, error.R/G/B (the squared error that is estimated to remain), choice.V (the filter\n"
+    "chosen) and density.V (where samples would help most), next to everything of IN that does not describe its "
+    "noise.\n"
+    "\n"
+    "Examples:\n"
+    "  stein denoise noisy.exr -o clean.exr\n"
+    "  stein denoise noisy.exr -o clean.exr --samples 16 --json report.json --quiet\n"
+    "  stein denoise noisy.exr -o clean.exr --feature-sigma normal=0.4,albedo=0.1\n"
+    "  stein denoise pass1.exr -o next.exr --bank intermediate --budget 1000000 --min-samples 1 --max-samples 64";
+
+void declare_output(CLI::App& verb, DenoiseOptions& options) {
+  verb.add_flag_callback(
+      "--no-error", [&options] { options.write.error = false; }, "Do not write error.R/G/B");
+  verb.add_flag_callback(
+      "--no-choice", [&options] { options.write.choice = false; }, "Do not write choice.V");
+  verb.add_flag_callback(
+      "--no-density", [&options] { options.write.density = false; }, "Do not write density.V");
+  verb.add_flag("--keep-noisy", options.write.noisy, "Keep the input's colour as noisy.R/G/B");
+  verb.add_flag("--keep-inputs", options.write.inputs, "Keep variances, covariances and the sample count");
+  verb.add_flag("--half", options.write.half_colour, "Write the colour as half");
+  CLI::Option* budget =
+      verb.add_option("--budget", options.budget, "Hand out that many samples by the density: writes density.samples");
+  budget->check(CLI::NonNegativeNumber);
+  verb.add_option("--min-samples", options.min_samples, "Least samples of a pixel")->needs(budget);
+  verb.add_option("--max-samples", options.max_samples, "Most samples of a pixel")->needs(budget);
+  verb.add_option("--json", options.json, "Write a report as JSON to this file");
+}
+
+}  // namespace
+
+void declare(CLI::App& verb, DenoiseOptions& options) {
+  verb.add_option("IN", options.input, "OpenEXR file with the noisy image and its variances")->required();
+  verb.add_option("-o,--output", options.output, "OpenEXR file to write; not IN itself")->required();
+  declare(verb, options.filter);
+  verb.add_option("--samples", options.samples, "Samples per pixel, for files that do not say")
+      ->check(CLI::PositiveNumber);
+  verb.add_option("--selection", options.selection, "How one image is made of the candidates")
+      ->check(CLI::IsMember({"blend", "argmin"}))
+      ->capture_default_str();
+  verb.add_option("--strength", options.strength, "1: the reconstruction, 0: the input, between: a mix")
+      ->capture_default_str();
+  declare_output(verb, options);
+  verb.add_flag("--strict", options.strict, "Fail on unusable values instead of repairing them");
+  verb.add_option("--threads", options.threads, "Most threads to use; 0: all")->capture_default_str();
+  verb.add_option("--tile", options.tile, "WIDTHxHEIGHT of a unit of work; never changes the result");
+  verb.add_flag("--quiet", options.quiet, "No progress and no summary; warnings remain");
+  verb.footer(kFooter);
+}
+
+DenoiseParams denoise_params(const DenoiseOptions& options) {
+  DenoiseParams params;
+  params.filter = filter_spec(options.filter);
+  params.selection = options.selection == "argmin" ? Selection::kArgmin : Selection::kBlend;
+  params.strength = options.strength;
+  params.strict = options.strict;
+  params.execution.threads = options.threads;
+  if (!options.tile.empty()) {
+    const std::array<int, 2> tile = parse_tile(options.tile);
+    params.execution.tile_width = tile[0];
+    params.execution.tile_height = tile[1];
+  }
+  check(params);
+  return params;
+}
+
+}  // namespace stein::cli

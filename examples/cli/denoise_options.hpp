@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The options of `stein denoise` and what they mean to the library.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "filter_options.hpp"
+#include "stein/denoise.hpp"
+#include "stein/exr.hpp"
+#include "verbs.hpp"
+
+namespace stein::cli {
+
+struct DenoiseOptions {
+  std::string input;
+  std::string output;
+  std::string json;
+  FilterOptions filter;
+  std::string selection = "blend";
+  float strength = 1;
+  float samples = 0;
+  std::int64_t budget = -1;  ///< below 0: no samples are handed out
+  std::uint32_t min_samples = 0;
+  std::uint32_t max_samples = UINT32_MAX;
+  std::string tile;
+  int threads = 0;
+  bool strict = false;
+  bool quiet = false;
+  exr::WriteOptions write;
+};
+
+/// Declares them; `options` must outlive the parsing.
+void declare(CLI::App& verb, DenoiseOptions& options);
+
+/// Without progress. @throws Error kInvalidArgument.
+[[nodiscard]] DenoiseParams denoise_params(const DenoiseOptions& options);
+
+}  // namespace stein::cli

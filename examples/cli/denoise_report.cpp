@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "denoise_report.hpp"
+
+#include <sys/resource.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+
+#include "frame_text.hpp"
+
+namespace stein::cli {
+namespace {
+
+std::int64_t peak_memory_bytes() {
+  struct rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;  // Linux counts in KiB
+}
+
+void print_line(const char* label, const std::string& text) { std::printf("%-9s %s\n", label, text.c_str()); }
+
+void print_mapping(const exr::LoadedFrame& input) {
+  const Frame& frame = input.frame();
+  print_line("colour", colour_text(frame));
+  for (const Feature& feature : frame.features) {
+    print_line("feature", feature_text(feature));
+  }
+  std::size_t unused = 0;
+  for (const exr::ChannelInfo& channel : input.channels()) {
+    unused += channel.role.empty() ? 1 : 0;
+  }
+  if (unused > 0) {
+    print_line("carried", std::to_string(unused) + " other channels");
+  }
+  for (const std::string& text : input.missing()) {
+    print_line("missing", text);
+  }
+}
+
+void print_repairs(const DenoiseSummary& summary) {
+  const FrameReport& counts = summary.report.frame;
+  std::printf("%-9s %lld invalid pixels\n", "repaired", static_cast<long long>(counts.invalid_pixels));
+  const std::vector<Feature>& features = summary.input.frame().features;
+  for (std::size_t i = 0; i < counts.bad_feature_pixels.size() && i < features.size(); ++i) {
+    if (counts.bad_feature_pixels[i] > 0) {
+      std::printf("%-9s %lld pixels without a usable %s\n", "", static_cast<long long>(counts.bad_feature_pixels[i]),
+                  features[i].name.c_str());
+    }
+  }
+}
+
+nlohmann::ordered_json seconds_json(const DenoiseSummary& summary) {
+  nlohmann::ordered_json stages = nlohmann::ordered_json::object();
+  for (const StageSeconds& stage : summary.report.stages) {
+    stages[stage.name] = stage.seconds;
+  }
+  const Seconds& seconds = summary.seconds;
+  return {{"read", seconds.read},
+          {"compute", seconds.compute},
+          {"write", seconds.write},
+          {"total", seconds.total},
+          {"stages", stages}};
+}
+
+nlohmann::ordered_json bad_features_json(const DenoiseSummary& summary) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  const std::vector<std::int64_t>& counts = summary.report.frame.bad_feature_pixels;
+  const std::vector<Feature>& features = summary.input.frame().features;
+  for (std::size_t i = 0; i < counts.size() && i < features.size(); ++i) {
+    json[features[i].name] = counts[i];
+  }
+  return json;
+}
+
+nlohmann::ordered_json choice_json(const DenoiseReport& report) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  for (std::size_t i = 0; i < report.choice_share.size() && i < report.candidates.size(); ++i) {
+    json[report.candidates[i]] = report.choice_share[i];
+  }
+  return json;
+}
+
+}  // namespace
+
+void print_warnings(const DenoiseReport& report) {
+  for (const std::string& warning : report.warnings) {
+    std::fprintf(stderr, "stein: warning: %s\n", warning.c_str());
+  }
+}
+
+void print_summary(const DenoiseSummary& summary) {
+  const DenoiseReport& report = summary.report;
+  print_line("input", summary.input.path() + ", " + size_text(summary.input));
+  print_line("samples", samples_text(summary.input.frame()));
+  print_mapping(summary.input);
+  print_repairs(summary);
+  print_line("filter", summary.filter + ", chosen by " + report.risk);
+  for (std::size_t i = 0; i < report.choice_share.size() && i < report.candidates.size(); ++i) {
+    std::printf("%-9s %5.1f %% %s\n", i == 0 ? "choice" : "", 100 * report.choice_share[i],
+                report.candidates[i].c_str());
+  }
+  std::printf("%-9s mean squared error %.4g %.4g %.4g (R G B), relative %.4g\n", "estimated", report.mean_error[0],
+              report.mean_error[1], report.mean_error[2], report.mean_relative_error);
+  const Seconds& seconds = summary.seconds;
+  std::printf("%-9s %.2f s: read %.2f, compute %.2f, write %.2f\n", "time", seconds.total, seconds.read,
+              seconds.compute, seconds.write);
+  print_line("output", summary.output_path);
+}
+
+nlohmann::ordered_json to_json(const DenoiseSummary& summary) {
+  const DenoiseReport& report = summary.report;
+  const Frame& frame = summary.input.frame();
+  return {{"version", STEIN_VERSION},
+          {"input", summary.input.path()},
+          {"output", summary.output_path},
+          {"width", frame.width},
+          {"height", frame.height},
+          {"filter", summary.filter},
+          {"risk", report.risk},
+          {"threads", summary.threads},
+          {"instruction_set", report.instruction_set},
+          {"seconds", seconds_json(summary)},
+          {"peak_memory_bytes", peak_memory_bytes()},
+          {"invalid_pixels", report.frame.invalid_pixels},
+          {"bad_feature_pixels", bad_features_json(summary)},
+          {"mean_estimated_error", report.mean_error},
+          {"mean_estimated_relative_error", report.mean_relative_error},
+          {"choice_share", choice_json(report)},
+          {"missing", summary.input.missing()},
+          {"warnings", report.warnings}};
+}
+
+}  // namespace stein::cli

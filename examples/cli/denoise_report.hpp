@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What `stein denoise` tells about its work, for people and for programs.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "stein/denoise.hpp"
+#include "stein/exr.hpp"
+
+namespace stein::cli {
+
+struct Seconds {
+  double read = 0;
+  double compute = 0;
+  double write = 0;
+  double total = 0;
+};
+
+struct DenoiseSummary {
+  const exr::LoadedFrame& input;
+  const DenoiseReport& report;
+  std::string output_path;
+  std::string filter;
+  int threads = 0;  ///< those that were available where none were asked for
+  Seconds seconds;
+};
+
+/// On standard output.
+void print_summary(const DenoiseSummary& summary);
+
+/// On standard error, one line each.
+void print_warnings(const DenoiseReport& report);
+
+[[nodiscard]] nlohmann::ordered_json to_json(const DenoiseSummary& summary);
+
+}  // namespace stein::cli

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "filter_options.hpp"
+
+#include <CLI/Option.hpp>
+#include <CLI/Validators.hpp>
+#include <algorithm>
+#include <string_view>
+#include <variant>
+
+#include "arguments.hpp"
+#include "stein/error.hpp"
+
+namespace stein::cli {
+namespace {
+
+// An option belongs to every filter whose parameters have a member of its name: `set` returns whether they have.
+template <class Setter>
+void apply(const char* option, FilterSpec& spec, Setter set) {
+  if (!std::visit(set, spec)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                std::string(option) + ": the filter '" + std::string(filter_name(spec)) + "' has no such parameter");
+  }
+}
+
+void set_feature_sigma(std::vector<FeatureSigma>& sigmas, const FeatureSigma& wanted) {
+  const auto known = std::find_if(sigmas.begin(), sigmas.end(), [&](const auto& s) { return s.name == wanted.name; });
+  if (known != sigmas.end()) {
+    known->sigma = wanted.sigma;
+  } else {
+    sigmas.push_back(wanted);
+  }
+}
+
+void set_bank(FilterSpec& spec, const std::string& bank) {
+  apply("--bank", spec, [&](auto& params) {
+    if constexpr (requires { params.spatial_sigmas; }) {
+      if (bank == "intermediate") {
+        params.spatial_sigmas = intermediate_cross_bilateral().spatial_sigmas;
+      }
+      return true;
+    }
+    return false;
+  });
+}
+
+void set_range_sigma(FilterSpec& spec, float sigma) {
+  apply("--range-sigma", spec, [&](auto& params) {
+    if constexpr (requires { params.range_sigma; }) {
+      params.range_sigma = sigma;
+      return true;
+    }
+    return false;
+  });
+}
+
+void set_feature_sigmas(FilterSpec& spec, const std::vector<std::string>& texts) {
+  apply("--feature-sigma", spec, [&](auto& params) {
+    if constexpr (requires { params.feature_sigmas; }) {
+      for (const std::string& text : texts) {
+        set_feature_sigma(params.feature_sigmas, parse_feature_sigma(text));
+      }
+      return true;
+    }
+    return false;
+  });
+}
+
+}  // namespace
+
+void declare(CLI::App& verb, FilterOptions& options) {
+  std::string names;
+  for (const std::string_view name : filter_names()) {
+    names += (names.empty() ? "" : ", ") + std::string(name);
+  }
+  options.name = filter_names().front();
+  verb.add_option("--filter", options.name, "One of: " + names)->capture_default_str();
+  verb.add_option("--bank", options.bank, "Spatial scales: all (final), or the three of a first pass (intermediate)")
+      ->check(CLI::IsMember({"final", "intermediate"}));
+  verb.add_option("--range-sigma", options.range_sigma, "Range term on the colour, in radiance; 0: off");
+  verb.add_option("--feature-sigma", options.feature_sigmas,
+                  "NAME=VALUE: how strongly a feature guides; smaller is stronger, 0: not at all; may be repeated")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+}
+
+FilterSpec filter_spec(const FilterOptions& options) {
+  FilterSpec spec = make_filter(options.name);
+  if (!options.bank.empty()) {
+    set_bank(spec, options.bank);
+  }
+  if (options.range_sigma) {
+    set_range_sigma(spec, *options.range_sigma);
+  }
+  if (!options.feature_sigmas.empty()) {
+    set_feature_sigmas(spec, options.feature_sigmas);
+  }
+  return spec;
+}
+
+}  // namespace stein::cli

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The options that choose and tune a filter.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "stein/filters.hpp"
+#include "verbs.hpp"
+
+namespace stein::cli {
+
+struct FilterOptions {
+  std::string name;
+  std::string bank;  ///< empty: the filter's own
+  std::optional<float> range_sigma;
+  std::vector<std::string> feature_sigmas;
+};
+
+/// Declares them; `options` must outlive the parsing.
+void declare(CLI::App& verb, FilterOptions& options);
+
+/// @throws Error kInvalidArgument.
+[[nodiscard]] FilterSpec filter_spec(const FilterOptions& options);
+
+}  // namespace stein::cli

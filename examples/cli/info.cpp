@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstddef>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "frame_planes.hpp"
+#include "frame_text.hpp"
+#include "plane_statistics.hpp"
+#include "stein/exr.hpp"
+#include "stein/frame.hpp"
+#include "verbs.hpp"
+
+namespace stein::cli {
+namespace {
+
+struct InfoOptions {
+  std::string input;
+  float samples = 0;
+  bool json = false;
+};
+
+constexpr const char* kFooter =
+    "Examples:\n"
+    "  stein info noisy.exr\n"
+    "  stein info noisy.exr --json";
+
+void print_text(const exr::LoadedFrame& input, const FrameReport& report) {
+  const Frame& frame = input.frame();
+  std::printf("%s\n%s\nsamples: %s\n", input.path().c_str(), size_text(input).c_str(), samples_text(frame).c_str());
+  std::printf("invalid pixels: %lld\n", static_cast<long long>(report.invalid_pixels));
+  for (std::size_t i = 0; i < report.bad_feature_pixels.size(); ++i) {
+    std::printf("pixels without a usable %s: %lld\n", frame.features[i].name.c_str(),
+                static_cast<long long>(report.bad_feature_pixels[i]));
+  }
+  std::printf("\nchannels\n");
+  for (const exr::ChannelInfo& channel : input.channels()) {
+    const std::string name = channel.part.empty() ? channel.name : channel.part + "/" + channel.name;
+    std::printf("  %-28s %-6s %s\n", name.c_str(), channel.type.c_str(),
+                channel.role.empty() ? "not used, carried over" : channel.role.c_str());
+  }
+  std::printf("\n%-28s %12s %12s %12s %10s\n", "planes", "min", "mean", "max", "non-finite");
+  for (const auto& [name, plane] : all_planes(frame)) {
+    const PlaneStatistics s = statistics(plane);
+    std::printf("  %-26s %12.5g %12.5g %12.5g %10lld\n", name.c_str(), s.minimum, s.mean, s.maximum,
+                static_cast<long long>(s.non_finite));
+  }
+  std::printf("%s", input.missing().empty() ? "" : "\nmissing\n");
+  for (const std::string& text : input.missing()) {
+    std::printf("  %s\n", text.c_str());
+  }
+}
+
+nlohmann::ordered_json samples_json(const Frame& frame) {
+  if (!frame.sample_count) {
+    return {{"min", frame.uniform_sample_count}, {"max", frame.uniform_sample_count}};
+  }
+  const PlaneStatistics count = statistics(frame.sample_count);
+  return {{"min", count.minimum}, {"max", count.maximum}};
+}
+
+void print_json(const exr::LoadedFrame& input, const FrameReport& report) {
+  using Json = nlohmann::ordered_json;
+  const Frame& frame = input.frame();
+  Json bad_features = Json::object();
+  for (std::size_t i = 0; i < report.bad_feature_pixels.size(); ++i) {
+    bad_features[frame.features[i].name] = report.bad_feature_pixels[i];
+  }
+  Json channels = Json::array();
+  for (const exr::ChannelInfo& c : input.channels()) {
+    channels.push_back({{"part", c.part}, {"name", c.name}, {"type", c.type}, {"role", c.role}});
+  }
+  Json planes = Json::object();
+  for (const auto& [name, plane] : all_planes(frame)) {
+    const PlaneStatistics s = statistics(plane);
+    planes[name] = {{"min", s.minimum}, {"mean", s.mean}, {"max", s.maximum}, {"non_finite", s.non_finite}};
+  }
+  const Json json = {{"file", input.path()},
+                     {"width", frame.width},
+                     {"height", frame.height},
+                     {"data_window", input.data_window()},
+                     {"samples", samples_json(frame)},
+                     {"invalid_pixels", report.invalid_pixels},
+                     {"bad_feature_pixels", bad_features},
+                     {"channels", channels},
+                     {"planes", planes},
+                     {"missing", input.missing()}};
+  std::printf("%s\n", json.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+}
+
+void info(const InfoOptions& options) {
+  const exr::LoadedFrame input =
+      exr::read_frame(options.input, {.samples_per_pixel = options.samples, .read_extra_layers = true});
+  const FrameReport report = inspect(input.frame());
+  options.json ? print_json(input, report) : print_text(input, report);
+}
+
+}  // namespace
+
+Action add_info(CLI::App& verb) {
+  auto options = std::make_shared<InfoOptions>();
+  verb.add_option("FILE", options->input, "OpenEXR file")->required();
+  verb.add_option("--samples", options->samples, "Samples per pixel, for files that do not say");
+  verb.add_flag("--json", options->json, "Print JSON");
+  verb.footer(kFooter);
+  return [options] { info(*options); };
+}
+
+}  // namespace stein::cli

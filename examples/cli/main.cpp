@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// stein: denoises renderings from the command line. One file per verb; this one finds the verb and turns errors into
+// messages and exit codes.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "exit_codes.hpp"
+#include "stein/error.hpp"
+#include "verbs.hpp"
+
+namespace {
+
+using stein::cli::Action;
+
+struct Verb {
+  const char* name;
+  const char* summary;
+  Action (*add)(CLI::App&);
+};
+
+constexpr Verb kVerbs[] = {
+    {"denoise", "Denoise an image and write it with its estimated error", stein::cli::add_denoise},
+    {"info", "Show what is understood of a file, and what it lacks", stein::cli::add_info},
+    {"compare", "Measure an image against a reference", stein::cli::add_compare},
+    {"preview", "Turn a layer of a file into a PNG picture", stein::cli::add_preview},
+};
+
+constexpr const char* kFooter =
+    "Examples:\n"
+    "  stein denoise noisy.exr -o clean.exr\n"
+    "  stein info noisy.exr\n"
+    "  stein compare clean.exr reference.exr\n"
+    "  stein preview clean.exr -o error.png --layer error\n"
+    "\n"
+    "'stein VERB --help' describes the options of a verb.\n"
+    "\n"
+    "Exit codes:\n"
+    "  0  done\n"
+    "  1  any other failure\n"
+    "  2  bad arguments\n"
+    "  3  the input cannot be used: planes are missing, invalid or unsupported\n"
+    "  4  a file cannot be read or written\n"
+    "  5  cancelled (Ctrl-C or SIGTERM); no output is left behind";
+
+int fail(int code, const std::string& message) {
+  std::fprintf(stderr, "stein: %s\n", message.c_str());
+  return code;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Denoises Monte Carlo renderings and says how large the remaining error is.", "stein");
+  app.set_version_flag("--version", "stein " STEIN_VERSION, "Print the version and exit");
+  app.footer(kFooter);
+  app.require_subcommand(1);
+
+  Action action;
+  for (const Verb& verb : kVerbs) {
+    CLI::App* parser = app.add_subcommand(verb.name, verb.summary);
+    parser->callback([&action, chosen = verb.add(*parser)] { action = chosen; });
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& request) {  // --help, --version
+    return app.exit(request);
+  } catch (const CLI::ParseError& error) {
+    return fail(stein::cli::kUsage, std::string(error.what()) + " (see 'stein --help')");
+  }
+  action();
+  return stein::cli::kSuccess;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const stein::Error& error) {
+    const bool cancelled = error.code() == stein::ErrorCode::kCancelled;
+    return fail(stein::cli::exit_code(error.code()), cancelled ? "cancelled" : error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(stein::cli::kOtherFailure, "out of memory");
+  } catch (const std::exception& error) {
+    return fail(stein::cli::kOtherFailure, error.what());
+  }
+}

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace stein::cli {
+
+/// Fails before the work is done rather than after it: the folder must exist and be writable, the path no folder.
+/// @throws Error kIo naming the path.
+void check_output_path(const std::string& path);
+
+/// The file appears whole or not at all (temporary file in the same folder, renamed). Devices and pipes are written to.
+/// @throws Error kIo naming the path.
+void write_whole_file(const std::string& path, std::string_view content);
+
+}  // namespace stein::cli

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The verbs of the program. Each declares its options on `verb` and returns what to do once they are parsed.
+#pragma once
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <functional>
+
+namespace stein::cli {
+
+/// Throws stein::Error on failure.
+using Action = std::function<void()>;
+
+[[nodiscard]] Action add_denoise(CLI::App& verb);
+[[nodiscard]] Action add_info(CLI::App& verb);
+[[nodiscard]] Action add_compare(CLI::App& verb);
+[[nodiscard]] Action add_preview(CLI::App& verb);
+
+}  // namespace stein::cli

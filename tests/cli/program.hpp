@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Runs the stein program as a user does.
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+/// A folder of its own for each test, removed with all it holds.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder();
+
+  [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+  /// The names of everything in it, hidden files too, sorted.
+  [[nodiscard]] std::vector<std::string> names() const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+struct Outcome {
+  int exit_code = -1;  ///< -1: ended by `signal`
+  int signal = 0;
+  std::string out;
+  std::string err;
+};
+
+/// Runs `stein arguments...` to its end. A file size limit above 0 makes writes fail beyond that many bytes.
+[[nodiscard]] Outcome run_stein(const std::vector<std::string>& arguments, long file_size_limit = 0);
+
+/// The program with standard error going to a pipe of one page that is nearly full: it halts at the progress line
+/// after the first two, until `drain`. So a test can act in the middle of a run, however fast the machine.
+class HaltedProgram {
+ public:
+  explicit HaltedProgram(const std::vector<std::string>& arguments);
+  HaltedProgram(const HaltedProgram&) = delete;
+  HaltedProgram& operator=(const HaltedProgram&) = delete;
+  ~HaltedProgram();
+
+  /// Returns once two lines ("0%" and one of two digits) were written; false if the program ended before.
+  [[nodiscard]] bool wait_for_progress();
+  void send(int signal) const;
+  /// Whether the program has ended; if so `outcome` is valid.
+  [[nodiscard]] bool has_ended();
+  /// Lets the program go on and waits for its end.
+  void drain();
+
+  [[nodiscard]] const Outcome& outcome() const { return outcome_; }
+
+ private:
+  void remember(int status);
+
+  pid_t process_ = -1;
+  int pipe_ = -1;
+  bool ended_ = false;
+  Outcome outcome_;
+};
