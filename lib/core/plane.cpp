@@ -50,6 +50,10 @@ void ConstPlaneView::read_row(int y, int x, int count, float* out) const noexcep
   const std::byte* p = data_ + y * row_stride_ + x * pixel_stride_;
   switch (type_) {
     case ScalarType::kFloat32:
+      if (pixel_stride_ == static_cast<std::ptrdiff_t>(sizeof(float))) {
+        std::memcpy(out, p, static_cast<std::size_t>(count) * sizeof(float));
+        return;
+      }
       return convert_row<float>(p, pixel_stride_, count, out, [](float v) { return v; });
     case ScalarType::kFloat16:
       return convert_row<std::uint16_t>(p, pixel_stride_, count, out, half_to_float);

@@ -5,8 +5,9 @@
 //
 //   sum_i clamp(level * S_i, min, max) = budget
 //
-// and are rounded by largest remainder, so the sum is exact. Pixels of density 0 act as ones of an equal, vanishing
-// density: they stay at the minimum until every other pixel is at the maximum, and then share what is left evenly.
+// and are rounded by largest remainder, so the sum is exact. Pixels of density 0 (or below) act as ones of an equal,
+// vanishing density: they stay at the minimum until every other pixel is at the maximum, and then share what is left
+// evenly.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -48,8 +49,8 @@ void check_arguments(ConstPlaneView density, const AllocationParams& params) {
   }
 }
 
-/// The density, row-major, with values below 0 as 0.
-std::vector<float> usable_density(ConstPlaneView density) {
+/// The density, row-major.
+std::vector<float> finite_density(ConstPlaneView density) {
   const int width = density.width();
   std::vector<float> values(static_cast<std::size_t>(width) * static_cast<std::size_t>(density.height()));
   for (int y = 0; y < density.height(); ++y) {
@@ -60,7 +61,6 @@ std::vector<float> usable_density(ConstPlaneView density) {
         throw Error(ErrorCode::kInvalidFrame, "density is " + to_text(row[x]) + " at pixel (" + std::to_string(x) +
                                                   ", " + std::to_string(y) + "), must be finite");
       }
-      row[x] = std::max(row[x], 0.0F);
     }
   }
   return values;
@@ -160,7 +160,7 @@ void settle(std::vector<std::uint32_t>& counts, const std::vector<double>& remai
 
 std::vector<std::uint32_t> allocate_samples(ConstPlaneView density, const AllocationParams& params) {
   check_arguments(density, params);
-  const std::vector<float> values = usable_density(density);
+  const std::vector<float> values = finite_density(density);
   const Shares shares(values, params);
   const double zero_share = shares.zero_share();
   const bool saturated = shares.saturated();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "exec/runner.hpp"
 
-#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -15,6 +15,7 @@
 namespace stein::exec {
 
 struct Runner::State {
+  std::optional<tbb::global_control> more_workers;  // oneTBB makes no more than there are cores unless told so
   std::optional<tbb::task_arena> own_arena;
   std::function<bool(double)> progress;
   std::mutex progress_mutex;
@@ -31,7 +32,12 @@ struct Runner::State {
 };
 
 Runner::Runner(const Execution& execution) : state_(std::make_unique<State>()) {
-  if (execution.threads > 0) state_->own_arena.emplace(execution.threads);
+  if (execution.threads > 0) {
+    constexpr auto kLimit = tbb::global_control::max_allowed_parallelism;
+    const auto wanted = static_cast<std::size_t>(execution.threads);
+    if (wanted > tbb::global_control::active_value(kLimit)) state_->more_workers.emplace(kLimit, wanted);
+    state_->own_arena.emplace(execution.threads);
+  }
   state_->progress = execution.progress;
 }
 

@@ -23,11 +23,9 @@ ColourSpace from(const Imf::Chromaticities& primaries) {
   const Imath::M44f to_xyz = Imf::RGBtoXYZ(primaries, 1.0F);
   const Imath::M44f to_rec709 = to_xyz * Imf::XYZtoRGB(Imf::Chromaticities(), 1.0F);
   ColourSpace space;
-  for (int column = 0; column < 3; ++column) {
-    space.luminance_weights[static_cast<std::size_t>(column)] = to_xyz[column][1];
-    for (int row = 0; row < 3; ++row) {
-      space.to_rec709[static_cast<std::size_t>(row * 3 + column)] = to_rec709[column][row];
-    }
+  for (unsigned column = 0; column < 3; ++column) {
+    space.luminance_weights[column] = to_xyz.x[column][1];
+    for (unsigned row = 0; row < 3; ++row) space.to_rec709[row * 3 + column] = to_rec709.x[column][row];
   }
   return space;
 }

@@ -18,7 +18,7 @@ GuardedStream::GuardedStream(const std::string& path)
 }
 
 bool GuardedStream::read(char* to, int count) {
-  if (count < 0 || count > limit_) fail(path_, "a chunk claims to be larger than its tile: the file is damaged");
+  if (count < 0) fail(path_, "a chunk claims to have a negative size: the file is damaged");
   file_.read(to, count);
   if (!file_) fail(path_, "it ends before its pixels do: it is truncated");
   return true;

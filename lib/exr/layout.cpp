@@ -60,7 +60,7 @@ class LayoutBuilder {
   void note(const std::string& words) { layout_.missing.push_back(words); }
 
   /// Deep parts hold no planes, and another view (the other eye of a stereo pair) is another image.
-  bool takes_part(int part) const {
+  [[nodiscard]] bool takes_part(int part) const {
     if (file_.is_deep(part)) return false;
     const auto view = [&](int p) { return file_.header(p).hasView() ? file_.header(p).view() : std::string(); };
     return layout_.main_part < 0 || view(part).empty() || view(part) == view(layout_.main_part);
@@ -73,7 +73,7 @@ class LayoutBuilder {
   }
 
   void assign(std::size_t index) {
-    const Channel& channel = file_.channels()[index];
+    const SourceChannel& channel = file_.channels()[index];
     if (!takes_part(channel.part)) return;
     const auto found = match(schema_, layout_.full_names[index]);
     if (!found || !names_seen_.insert(layout_.full_names[index]).second) return;
@@ -110,8 +110,7 @@ class LayoutBuilder {
       set_role(planes.mean, Role::kFeatureMean, "feature " + name + ", mean");
       if (noisy == 0) continue;
       if (!has_variance(planes)) {
-        fail("feature " + name + " has variances, but no " + name + ".variance." + component +
-             "; write the variance of all of its channels or of none");
+        fail_without_variance(name, component);
       }
       feature.variance.push_back(planes.variance);
       set_role(planes.variance, Role::kFeatureVariance, "feature " + name + ", variance of the mean");
@@ -157,6 +156,13 @@ class LayoutBuilder {
       layout_.covariance = {-1, -1, -1};
       note("no covariances of the colour channels (covariance.R.G, R.B, G.B): their noise is taken as independent");
     }
+  }
+
+  [[noreturn]] void fail_without_variance(const std::string& feature, const std::string& component) const {
+    std::string plane = feature;
+    plane.append(".variance.").append(component);
+    fail("feature " + feature + " has variances, but no " + plane +
+         "; write the variance of all of its channels or of none");
   }
 
   [[noreturn]] void fail(const std::string& what) const {

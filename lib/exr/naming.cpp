@@ -28,7 +28,7 @@ bool qualifies(const SourceFile& file, const Schema& schema, int part) {
   const std::string name = file.part_name(part);
   if (name.empty()) return false;
   if (is_layer(schema, name)) return true;
-  return std::any_of(file.channels().begin(), file.channels().end(), [&](const Channel& channel) {
+  return std::any_of(file.channels().begin(), file.channels().end(), [&](const SourceChannel& channel) {
     return channel.part == part && channel.name.find('.') == std::string::npos && channel.name != "sampleCount";
   });
 }
@@ -58,7 +58,7 @@ std::vector<std::string> full_names(const SourceFile& file, const Schema& schema
   }
   std::vector<std::string> names;
   names.reserve(file.channels().size());
-  for (const Channel& channel : file.channels()) {
+  for (const SourceChannel& channel : file.channels()) {
     const std::string part = file.part_name(channel.part);
     const bool as_it_is = qualified[static_cast<std::size_t>(channel.part)] == 0 || channel.name == "sampleCount" ||
                           channel.name.rfind(part + ".", 0) == 0;

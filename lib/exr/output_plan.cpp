@@ -68,7 +68,7 @@ std::vector<PartPlan> plan_output(const SourceFile& source, const Layout& layout
     const bool is_main = part == layout.main_part;
     PartPlan next{part, !is_main, source.header(part), {}};
     for (std::size_t i = 0; i < source.channels().size(); ++i) {
-      const Channel& channel = source.channels()[i];
+      const SourceChannel& channel = source.channels()[i];
       if (channel.part != part) continue;
       if (is_carried(layout.roles[i], rules) && !(is_main && is_new(rules, channel.name))) {
         next.carried.push_back(channel.name);

@@ -67,7 +67,7 @@ class FrameReader {
     return names;
   }
 
-  std::string some_names() const {
+  [[nodiscard]] std::string some_names() const {
     constexpr std::size_t kShown = 12;
     const auto& names = layout_.full_names;
     std::string list = names.empty() ? "no channels" : "";
@@ -90,7 +90,7 @@ class FrameReader {
   }
 
   /// The attribute samplesPerPixel; 0 where there is none that can be used.
-  float stated_samples() const {
+  [[nodiscard]] float stated_samples() const {
     const Imf::Header& header = file_.header(layout_.main_part);
     float samples = 0;
     if (const auto* whole = header.findTypedAttribute<Imf::IntAttribute>("samplesPerPixel")) {
@@ -124,14 +124,16 @@ class FrameReader {
   /// Of all channels of the main part: what is not read is carried over row by row.
   void require_full_resolution() const {
     for (std::size_t i = 0; i < file_.channels().size(); ++i) {
-      const Channel& from = file_.channels()[i];
+      const SourceChannel& from = file_.channels()[i];
       if (from.part == layout_.main_part && from.subsampled) refuse(static_cast<int>(i));
     }
   }
 
-  const Channel& channel(int index) const { return file_.channels()[static_cast<std::size_t>(index)]; }
+  [[nodiscard]] const SourceChannel& channel(int index) const {
+    return file_.channels()[static_cast<std::size_t>(index)];
+  }
 
-  bool fits(const Channel& channel) const {
+  [[nodiscard]] bool fits(const SourceChannel& channel) const {
     return window_of(file_.header(channel.part)) == data_.data_window && !channel.subsampled;
   }
 
@@ -169,7 +171,7 @@ class FrameReader {
     data_.memory = PlaneMemory(bytes);
     std::vector<Imf::FrameBuffer> targets(static_cast<std::size_t>(file_.parts()));
     for (std::size_t i = 0; i < planes_.size(); ++i) {
-      const Channel& from = channel(planes_[i]);
+      const SourceChannel& from = channel(planes_[i]);
       const std::byte* to = data_.memory.data() + offsets[i];
       const Imf::Header& header = file_.header(from.part);
       targets[static_cast<std::size_t>(from.part)].insert(
@@ -184,16 +186,17 @@ class FrameReader {
     }
   }
 
-  ConstPlaneView view(int index) const {
+  [[nodiscard]] ConstPlaneView view(int index) const {
     return index < 0 ? ConstPlaneView() : views_[static_cast<std::size_t>(index)];
   }
 
-  std::array<ConstPlaneView, 3> views(const std::array<int, 3>& indices) const {
+  [[nodiscard]] std::array<ConstPlaneView, 3> views(const std::array<int, 3>& indices) const {
     return {view(indices[0]), view(indices[1]), view(indices[2])};
   }
 
-  std::vector<ConstPlaneView> views(const std::vector<int>& indices) const {
+  [[nodiscard]] std::vector<ConstPlaneView> views(const std::vector<int>& indices) const {
     std::vector<ConstPlaneView> result;
+    result.reserve(indices.size());
     for (const int index : indices) result.push_back(view(index));
     return result;
   }
@@ -216,7 +219,7 @@ class FrameReader {
 
   void list_channels() {
     for (std::size_t i = 0; i < file_.channels().size(); ++i) {
-      const Channel& from = file_.channels()[i];
+      const SourceChannel& from = file_.channels()[i];
       const char* type = from.type == Imf::HALF ? "half" : from.type == Imf::UINT ? "uint" : "float";
       data_.channels.push_back(
           {file_.parts() > 1 ? file_.part_name(from.part) : "", from.name, type, layout_.words[i]});

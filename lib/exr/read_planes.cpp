@@ -19,6 +19,7 @@ class PlanesReader {
   NamedPlanes read(std::vector<std::string> names) {
     if (names.empty()) names = {"R", "G", "B"};
     std::vector<int> found;
+    found.reserve(names.size());
     for (const std::string& name : names) found.push_back(find(name));
     NamedPlanes result;
     const Imf::Header& first = file_.header(channel(found[0]).part);
@@ -32,10 +33,12 @@ class PlanesReader {
   }
 
  private:
-  const Channel& channel(int index) const { return file_.channels()[static_cast<std::size_t>(index)]; }
+  [[nodiscard]] const SourceChannel& channel(int index) const {
+    return file_.channels()[static_cast<std::size_t>(index)];
+  }
 
   /// By "part/channel", by full name, or by the name in the file where only one part has it.
-  int find(const std::string& name) const {
+  [[nodiscard]] int find(const std::string& name) const {
     const auto count = static_cast<int>(file_.channels().size());
     int by_name = -1;
     for (int i = 0; i < count; ++i) {
@@ -52,7 +55,7 @@ class PlanesReader {
   }
 
   void check(int index, const std::string& name, const std::array<int, 4>& window) const {
-    const Channel& from = channel(index);
+    const SourceChannel& from = channel(index);
     if (file_.is_deep(from.part) || from.subsampled) {
       throw Error(ErrorCode::kUnsupported, "'" + file_.path() + "': channel " + name + " is " +
                                                (from.subsampled ? "subsampled" : "deep") +

@@ -67,6 +67,14 @@ std::int64_t bytes_per_pixel(const Imf::Header& header) {
   return bytes;
 }
 
+/// Bytes of one decoded chunk.
+std::int64_t chunk_bytes(const Imf::Header& header) {
+  std::int64_t pixels = std::int64_t{width_of(header)} * chunk_lines(header.compression());
+  if (header.hasTileDescription())
+    pixels = std::int64_t{header.tileDescription().xSize} * header.tileDescription().ySize;
+  return pixels * std::max<std::int64_t>(bytes_per_pixel(header), 4);
+}
+
 /// Whether the pixels of a part can come out of a file of that size. Nothing is allocated for pixels before this.
 void check_plausible(const SourceFile& file, int part) {
   const Imf::Header& header = file.header(part);
@@ -81,7 +89,7 @@ void check_plausible(const SourceFile& file, int part) {
   // Subsampled channels hold fewer samples than pixels: they are refused where they matter, and counted as empty here.
   // So is a deep part as a whole: it is never decoded, and may hold no samples.
   std::int64_t pixel_bytes = bytes_per_pixel(header);
-  for (const Channel& channel : file.channels()) {
+  for (const SourceChannel& channel : file.channels()) {
     if (channel.part == part && channel.subsampled) pixel_bytes -= channel.type == Imf::HALF ? 2 : 4;
   }
   const std::int64_t ratio = largest_ratio(header.compression());
@@ -95,7 +103,7 @@ void check_plausible(const SourceFile& file, int part) {
     const Imf::TileDescription& tiles = header.tileDescription();
     if (tiles.xSize > kMaxSide || tiles.ySize > kMaxSide) fail(file.path(), "its tiles are larger than any image");
   }
-  if (file.chunk_bytes(part) > std::max(plausible, kAlwaysAllowedChunkBytes)) {
+  if (chunk_bytes(header) > std::max(plausible, kAlwaysAllowedChunkBytes)) {
     fail(file.path(), "its chunks are larger than the file can hold: it is damaged");
   }
 }
@@ -136,13 +144,6 @@ std::string SourceFile::part_name(int part) const {
 bool SourceFile::is_deep(int part) const { return header(part).hasType() && Imf::isDeepData(header(part).type()); }
 
 bool SourceFile::is_tiled(int part) const { return header(part).hasTileDescription() && !is_deep(part); }
-
-std::int64_t SourceFile::chunk_bytes(int part) const {
-  const Imf::Header& of = header(part);
-  std::int64_t pixels = std::int64_t{width_of(of)} * chunk_lines(of.compression());
-  if (of.hasTileDescription()) pixels = std::int64_t{of.tileDescription().xSize} * of.tileDescription().ySize;
-  return pixels * std::max<std::int64_t>(bytes_per_pixel(of), 4);
-}
 
 void SourceFile::require_complete(int part) const {
   if (input_->partComplete(part)) return;

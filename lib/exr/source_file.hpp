@@ -22,7 +22,7 @@
 
 namespace stein::exr {
 
-struct Channel {
+struct SourceChannel {
   int part = 0;
   std::string name;  ///< as in the file
   Imf::PixelType type = Imf::FLOAT;
@@ -43,12 +43,7 @@ class SourceFile {
   [[nodiscard]] bool is_deep(int part) const;
   [[nodiscard]] bool is_tiled(int part) const;
   /// Channels of all parts, in the order of the parts, then of the names.
-  [[nodiscard]] const std::vector<Channel>& channels() const noexcept { return channels_; }
-
-  /// Bytes of one decoded chunk. No chunk of a flat part is larger.
-  [[nodiscard]] std::int64_t chunk_bytes(int part) const;
-  /// Refuses single reads of more bytes from now on; 0 lifts the limit.
-  void limit_reads(std::int64_t bytes) noexcept { stream_->set_limit(bytes > 0 ? bytes : GuardedStream::kNoLimit); }
+  [[nodiscard]] const std::vector<SourceChannel>& channels() const noexcept { return channels_; }
 
   /// @throws Error kIo if scanlines or tiles of the part are missing.
   void require_complete(int part) const;
@@ -58,7 +53,7 @@ class SourceFile {
   std::int64_t size_ = 0;
   std::unique_ptr<GuardedStream> stream_;
   std::unique_ptr<Imf::MultiPartInputFile> input_;
-  std::vector<Channel> channels_;
+  std::vector<SourceChannel> channels_;
 };
 
 /// Size of a part's data window. Checked on opening to be within what an int and the file can hold.

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stein/denoise.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "catch.hpp"
+#include "stein/error.hpp"
+#include "support/synthetic.hpp"
+
+namespace stein::test {
+namespace {
+
+// Smooth truth with an edge that the features show; Gaussian noise of a known variance in the colour.
+struct Scene {
+  static constexpr int kWidth = 120;
+  static constexpr int kHeight = 90;
+  OwnedFrame frame{kWidth, kHeight, kUsualFeatures};
+
+  static double truth(int x, int y) { return 0.5 + 0.3 * std::sin(0.03 * x) + 0.1 * std::cos(0.05 * y) + (x > 70 ? 1.0 : 0.0); }
+
+  explicit Scene(double deviation, std::uint64_t seed = 99) {
+    Random random(seed);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        for (const char* c : {"R", "G", "B"}) {
+          frame.at(c, x, y) = static_cast<float>(truth(x, y) + deviation * random.normal());
+          frame.at(std::string("variance.") + c, x, y) = static_cast<float>(deviation * deviation);
+        }
+        frame.at("albedo.R", x, y) = x > 70 ? 0.9F : 0.1F;
+        for (const std::string& name : frame.names()) {
+          if (name.find(".variance.") != std::string::npos) frame.at(name, x, y) = 0.0F;
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] double mse(const DenoiseResult& result) const {
+    double sum = 0;
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) sum += std::pow(result.colour[1].row(y)[x] - truth(x, y), 2);
+    }
+    return sum / (kWidth * kHeight);
+  }
+};
+
+std::string message_of(const Frame& frame, const DenoiseParams& params, ErrorCode code) {
+  try {
+    (void)denoise(frame, params);
+  } catch (const Error& error) {
+    CHECK(error.code() == code);
+    return error.what();
+  }
+  return "no error";
+}
+
+}  // namespace
+
+TEST_CASE("denoise: removes most of the noise, keeps the edge, and knows the error that is left") {
+  const Scene scene(0.2);
+  const DenoiseResult result = denoise(scene.frame.frame());
+  const double left = scene.mse(result);
+  CHECK(left < 0.04 / 15);
+  CHECK(result.report.mean_error[1] == Approx(left).margin(0.0012));
+  for (int y = 5; y < Scene::kHeight; y += 10) {
+    CHECK(result.colour[0].row(y)[70] == Approx(Scene::truth(70, y)).margin(0.25));
+    CHECK(result.colour[0].row(y)[71] == Approx(Scene::truth(71, y)).margin(0.25));
+  }
+}
+
+TEST_CASE("denoise: converges to the input as the variance vanishes") {
+  double last = 1;
+  for (const double deviation : {0.1, 0.01, 0.001, 0.0001}) {
+    const Scene scene(deviation);
+    const double left = scene.mse(denoise(scene.frame.frame()));
+    CHECK(left < 1.05 * deviation * deviation);
+    CHECK(left < last);
+    last = left;
+  }
+}
+
+TEST_CASE("denoise: strength 0 is the input to the bit, and the error that of the mix") {
+  const Scene scene(0.2);
+  DenoiseParams params;
+  params.strength = 0.0F;
+  const DenoiseResult result = denoise(scene.frame.frame(), params);
+  for (int y = 0; y < Scene::kHeight; ++y) {
+    for (int x = 0; x < Scene::kWidth; ++x) CHECK(result.colour[2].row(y)[x] == scene.frame.frame().colour[2].at(x, y));
+  }
+  CHECK(result.report.mean_error[0] == Approx(0.04).epsilon(1e-4));
+  params.strength = 0.5F;
+  const DenoiseResult half = denoise(scene.frame.frame(), params);
+  CHECK(half.report.mean_error[1] == Approx(scene.mse(half)).epsilon(0.12));
+}
+
+TEST_CASE("denoise: argmin picks one entry a pixel and blending is at least as good here") {
+  const Scene scene(0.2);
+  DenoiseParams params;
+  params.selection = Selection::kArgmin;
+  const DenoiseResult hard = denoise(scene.frame.frame(), params);
+  params.selection = Selection::kBlend;
+  const DenoiseResult blend = denoise(scene.frame.frame(), params);
+  CHECK(scene.mse(blend) < scene.mse(hard));
+  double shares = 0;
+  for (const double share : blend.report.choice_share) shares += share;
+  CHECK(shares == Approx(1.0));
+  CHECK(blend.report.candidates.size() == 8);
+}
+
+TEST_CASE("denoise: an invalid pixel leaves no halo and is counted") {
+  const Scene clean(0.1);
+  Scene broken(0.1);
+  broken.frame.at("R", 30, 40) = std::numeric_limits<float>::infinity();
+  broken.frame.at("variance.G", 31, 40) = -1.0F;
+  broken.frame.at("sampleCount", 90, 10) = 0.0F;
+  const DenoiseResult expected = denoise(clean.frame.frame());
+  const DenoiseResult result = denoise(broken.frame.frame());
+  CHECK(result.report.frame.invalid_pixels == 3);
+  CHECK(result.report.warnings.size() >= 1);
+  for (int y = 0; y < Scene::kHeight; ++y) {
+    for (int x = 0; x < Scene::kWidth; ++x) CHECK(result.colour[0].row(y)[x] == Approx(expected.colour[0].row(y)[x]).margin(0.1));
+  }
+  DenoiseParams strict;
+  strict.strict = true;
+  const std::string message = message_of(broken.frame.frame(), strict, ErrorCode::kInvalidFrame);
+  CHECK(message.find("sampleCount") != std::string::npos);  // the first in row order
+  CHECK(message.find("(90, 10)") != std::string::npos);
+}
+
+TEST_CASE("denoise: a firefly is scaled down, a bright pixel that its samples support is not") {
+  Scene scene(0.05);
+  for (const char* c : {"R", "G", "B"}) {
+    scene.frame.at(c, 30, 30) = 100.0F;  // one sample of 800, the others without: standard error equals the mean
+    scene.frame.at(std::string("variance.") + c, 30, 30) = 10000.0F;
+    scene.frame.at(c, 50, 60) = 100.0F;  // all samples agree
+    scene.frame.at(std::string("variance.") + c, 50, 60) = 0.0025F;
+  }
+  const DenoiseResult result = denoise(scene.frame.frame());
+  CHECK(result.report.outlier_pixels >= 1);
+  CHECK(result.report.outlier_energy > 0);
+  CHECK(result.colour[0].row(30)[30] < 1.0F);
+  CHECK(result.colour[0].row(60)[50] > 50.0F);
+  DenoiseParams off;
+  off.outliers.enabled = false;
+  const DenoiseResult kept = denoise(scene.frame.frame(), off);
+  CHECK(kept.report.outlier_pixels == 0);
+  CHECK(kept.colour[0].row(30)[30] > 10.0F);
+}
+
+TEST_CASE("denoise: all pixels invalid is an error that says so") {
+  OwnedFrame frame(20, 20, {});
+  for (int y = 0; y < 20; ++y) {
+    for (int x = 0; x < 20; ++x) frame.at("sampleCount", x, y) = 0.0F;
+  }
+  CHECK(message_of(frame.frame(), {}, ErrorCode::kInvalidFrame).find("no pixel") != std::string::npos);
+}
+
+TEST_CASE("denoise: parameters out of range are named") {
+  const Scene scene(0.1);
+  DenoiseParams params;
+  params.strength = 1.5F;
+  CHECK(message_of(scene.frame.frame(), params, ErrorCode::kInvalidArgument).find("strength") != std::string::npos);
+  params = {};
+  params.execution.tile_width = 3;
+  CHECK(message_of(scene.frame.frame(), params, ErrorCode::kInvalidArgument).find("tile_width") != std::string::npos);
+  params = {};
+  params.execution.threads = -2;
+  CHECK(message_of(scene.frame.frame(), params, ErrorCode::kInvalidArgument).find("threads") != std::string::npos);
+  params = {};
+  params.outliers.support = 0.0F;
+  CHECK(message_of(scene.frame.frame(), params, ErrorCode::kInvalidArgument).find("outliers.support") != std::string::npos);
+  params = {};
+  params.density.epsilon = 0.0F;
+  CHECK(message_of(scene.frame.frame(), params, ErrorCode::kInvalidArgument).find("density.epsilon") != std::string::npos);
+}
+
+TEST_CASE("denoise: progress rises to 1 and cancelling stops at once") {
+  const Scene scene(0.1);
+  double last = 0;
+  DenoiseParams params;
+  params.execution.progress = [&](double fraction) {
+    CHECK(fraction >= last);
+    CHECK(fraction <= 1.0);
+    last = fraction;
+    return true;
+  };
+  (void)denoise(scene.frame.frame(), params);
+  CHECK(last == Approx(1.0).epsilon(0.01));
+
+  int calls = 0;
+  params.execution.progress = [&](double) { return ++calls < 5; };
+  CHECK(message_of(scene.frame.frame(), params, ErrorCode::kCancelled).find("cancelled") != std::string::npos);
+  CHECK(calls == 5);  // none after the one that cancelled
+}
+
+TEST_CASE("denoise: the density is finite, has mean 1, and follows the noise") {
+  Scene scene(0.05);
+  Random random(5);
+  for (int y = 30; y < 60; ++y) {
+    for (int x = 10; x < 50; ++x) {
+      for (const char* c : {"R", "G", "B"}) {
+        scene.frame.at(c, x, y) += static_cast<float>(0.4 * random.normal());
+        scene.frame.at(std::string("variance.") + c, x, y) = 0.1625F;
+      }
+    }
+  }
+  const DenoiseResult result = denoise(scene.frame.frame());
+  double sum = 0;
+  double noisy = 0;
+  double quiet = 0;
+  for (int y = 0; y < Scene::kHeight; ++y) {
+    for (int x = 0; x < Scene::kWidth; ++x) {
+      const float density = result.density.row(y)[x];
+      REQUIRE(std::isfinite(density));
+      REQUIRE(density >= 0.0F);
+      sum += density;
+      if (x >= 15 && x < 45 && y >= 35 && y < 55) noisy += density / 600.0;
+      if (x >= 60 && x < 70) quiet += density / 900.0;
+    }
+  }
+  CHECK(sum / (Scene::kWidth * Scene::kHeight) == Approx(1.0).epsilon(1e-5));
+  CHECK(noisy > 20 * quiet);
+}
+
+TEST_CASE("denoise: works in the caller's arena while other work waits there") {
+  const Scene scene(0.1);
+  DenoiseParams params;
+  params.execution.threads = 0;
+  const DenoiseResult a = denoise(scene.frame.frame(), params);
+  params.execution.threads = 3;
+  const DenoiseResult b = denoise(scene.frame.frame(), params);
+  CHECK(a.colour[0].row(20)[20] == b.colour[0].row(20)[20]);
+}
+
+}  // namespace stein::test

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstring>
+#include <limits>
+
+#include "catch.hpp"
+#include "stein/denoise.hpp"
+#include "support/synthetic.hpp"
+
+namespace stein::test {
+namespace {
+
+bool same_bits(const Plane& a, const Plane& b) {
+  for (int y = 0; y < a.height(); ++y) {
+    if (std::memcmp(a.row(y), b.row(y), static_cast<std::size_t>(a.width()) * sizeof(float)) != 0) return false;
+  }
+  return true;
+}
+
+bool same_bits(const DenoiseResult& a, const DenoiseResult& b) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (!same_bits(a.colour[c], b.colour[c]) || !same_bits(a.error[c], b.error[c])) return false;
+  }
+  return same_bits(a.choice, b.choice) && same_bits(a.density, b.density) && a.report.mean_error == b.report.mean_error &&
+         a.report.choice_share == b.report.choice_share;
+}
+
+}  // namespace
+
+TEST_CASE("denoise: 1, 2 and 5 threads and three tile sizes give identical bits") {
+  OwnedFrame frame(203, 171, kUsualFeatures);
+  fill_random(frame, 31);
+  frame.at("R", 60, 90) = 500.0F;  // an outlier, and pixels to fill
+  frame.at("variance.R", 60, 90) = 250000.0F;
+  frame.at("G", 100, 64) = std::numeric_limits<float>::quiet_NaN();
+  frame.at("B", 101, 64) = std::numeric_limits<float>::quiet_NaN();
+  for (const Selection selection : {Selection::kBlend, Selection::kArgmin}) {
+    DenoiseParams params;
+    params.selection = selection;
+    const DenoiseResult reference = denoise(frame.frame(), params);
+    for (const int threads : {1, 2, 5}) {
+      for (const auto& [width, height] : {std::pair(16, 7), std::pair(64, 64), std::pair(512, 40)}) {
+        params.execution.threads = threads;
+        params.execution.tile_width = width;
+        params.execution.tile_height = height;
+        INFO(threads << " threads, tiles of " << width << "x" << height);
+        CHECK(same_bits(reference, denoise(frame.frame(), params)));
+      }
+    }
+  }
+}
+
+}  // namespace stein::test
