@@ -13,13 +13,14 @@
 namespace stein::bench {
 namespace {
 
-// Flops of the bank per pixel: per tap 21 for seven channels, 17 for three groups, 16 for the exponential, 4 for mask and
-// weighted colours; per tap and scale 8.
+// Flops of the bank per pixel: per tap 21 for seven channels, 17 for three groups, 16 for the exponential, 4 for mask
+// and weighted colours; per tap and scale 8.
 double bank_flops(const CrossBilateralParams& params, const exec::TileLayout& layout) {
   const ScaleTaps taps(params.spatial_sigmas, layout);
   double flops = 58.0 * static_cast<double>(taps.offsets.size());
   for (const int first : taps.first_scale) {
-    flops += 8.0 * kernels::kTapBatch * static_cast<double>(params.spatial_sigmas.size() - static_cast<std::size_t>(first));
+    flops +=
+        8.0 * kernels::kTapBatch * static_cast<double>(params.spatial_sigmas.size() - static_cast<std::size_t>(first));
   }
   return flops;
 }
@@ -36,7 +37,8 @@ void run_bank(benchmark::State& state, const CrossBilateralParams& params) {
   const double pixels = kWidth * kHeight;
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * kWidth * kHeight);
   const exec::TileLayout layout(kWidth, kHeight, filter->halo());
-  state.counters["flops"] = benchmark::Counter(pixels * bank_flops(params, layout), benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["flops"] =
+      benchmark::Counter(pixels * bank_flops(params, layout), benchmark::Counter::kIsIterationInvariantRate);
   state.SetLabel(kernels::instruction_set());
 }
 

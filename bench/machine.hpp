@@ -10,7 +10,8 @@ namespace stein::bench {
 /// Flops of one call to fma_burst.
 [[nodiscard]] double fma_burst_flops();
 
-/// Independent multiply-adds in registers, on the widest vectors. The result only keeps the work from being optimised away.
+/// Independent multiply-adds in registers, on the widest vectors. The result only keeps the work from being optimised
+/// away.
 float fma_burst();
 
 /// a[i] = b[i] + s * c[i] over n floats.

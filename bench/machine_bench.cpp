@@ -23,7 +23,8 @@ void machine_bandwidth_triad(benchmark::State& state) {
     triad(a.data(), b.data(), c.data(), 0.5F, kFloats);
     benchmark::ClobberMemory();
   }
-  state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations()) * 3 * static_cast<std::int64_t>(kFloats * sizeof(float)));
+  state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations()) * 3 *
+                          static_cast<std::int64_t>(kFloats * sizeof(float)));
 }
 BENCHMARK(machine_bandwidth_triad)->ThreadRange(1, 2)->UseRealTime();
 

@@ -27,7 +27,11 @@ void sizes_and_threads(benchmark::internal::Benchmark* bench) {
     for (int threads = 1; threads <= cores; threads *= 2) bench->Args({kilopixels, threads});
   }
 }
-BENCHMARK(pipeline_denoise)->Apply(sizes_and_threads)->ArgNames({"kilopixels", "threads"})->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(pipeline_denoise)
+    ->Apply(sizes_and_threads)
+    ->ArgNames({"kilopixels", "threads"})
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace stein::bench

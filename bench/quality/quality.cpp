@@ -35,14 +35,17 @@ std::vector<fs::path> noisy_files(const fs::path& folder) {
     if (!fs::exists(scene.path() / "ref.exr")) continue;
     for (const auto& file : fs::directory_iterator(scene.path())) {
       const std::string name = file.path().filename().string();
-      if (file.path().extension() == ".exr" && name != "ref.exr" && name.rfind("samples", 0) != 0) files.push_back(file.path());
+      if (file.path().extension() == ".exr" && name != "ref.exr" && name.rfind("samples", 0) != 0)
+        files.push_back(file.path());
     }
   }
   std::sort(files.begin(), files.end());
   return files;
 }
 
-stein::metrics::Rgb rgb(const std::vector<stein::Plane>& planes) { return {planes[0].view(), planes[1].view(), planes[2].view()}; }
+stein::metrics::Rgb rgb(const std::vector<stein::Plane>& planes) {
+  return {planes[0].view(), planes[1].view(), planes[2].view()};
+}
 
 void print_line(const fs::path& file) {
   const stein::exr::NamedPlanes reference = stein::exr::read_planes((file.parent_path() / "ref.exr").string());
@@ -63,11 +66,13 @@ void print_line(const fs::path& file) {
 
 int main(int argc, char** argv) {
   if (argc != 2) {
-    std::fprintf(stderr, "usage: stein_quality FOLDER\nFOLDER holds one folder per scene with ref.exr and noisy renders.\n");
+    std::fprintf(stderr,
+                 "usage: stein_quality FOLDER\nFOLDER holds one folder per scene with ref.exr and noisy renders.\n");
     return 2;
   }
   try {
-    std::printf("| scene, file | input relMSE / SSIM | stein relMSE / SSIM | trimmed relMSE | estimated MSE | true MSE |\n");
+    std::printf(
+        "| scene, file | input relMSE / SSIM | stein relMSE / SSIM | trimmed relMSE | estimated MSE | true MSE |\n");
     std::printf("|---|---|---|---|---|---|\n");
     for (const fs::path& file : noisy_files(argv[1])) print_line(file);
   } catch (const std::exception& error) {

@@ -22,7 +22,8 @@ enum class Selection : std::uint8_t {
   kBlend,   ///< a mixture weighted by how sure the smoothed risks are
 };
 
-/// Fireflies: single pixels whose brightness neither their neighbours nor their own samples support (docs/filters/outliers.md).
+/// Fireflies: single pixels whose brightness neither their neighbours nor their own samples support
+/// (docs/filters/outliers.md).
 struct OutlierParams {
   bool enabled = true;   ///< false: every valid pixel enters the filters as it is
   float excess = 2.0F;   ///< [0..100] standard errors of the brightest neighbour by which an outlier exceeds it
@@ -33,7 +34,8 @@ struct DenoiseParams {
   FilterSpec filter = CrossBilateralParams{};
   OutlierParams outliers;
   Selection selection = Selection::kBlend;
-  float strength = 1.0F;  ///< [0..1]: 1 the reconstruction, 0 the input; between: a linear mix. The error is that of the mix.
+  float strength =
+      1.0F;  ///< [0..1]: 1 the reconstruction, 0 the input; between: a linear mix. The error is that of the mix.
   /// Throw on the first unusable pixel or feature value instead of repairing and counting it.
   bool strict = false;
   DensityParams density;
@@ -50,16 +52,16 @@ struct StageSeconds {
 
 struct DenoiseReport {
   FrameReport frame;
-  std::int64_t outlier_pixels = 0;            ///< pixels that were scaled down before filtering
-  double outlier_energy = 0;                  ///< what that removed, as a fraction of the image's sum
-  std::vector<std::string> candidates;        ///< entry names; index = value of the choice plane; 0 is the unfiltered input
-  std::vector<double> choice_share;           ///< fraction of pixels whose largest weight is that entry's
-  std::array<double, 3> mean_error{};         ///< mean over the image of the estimated squared error, per channel
-  double mean_relative_error = 0;             ///< mean of error / (result^2 + 0.01) over pixels and channels
-  std::string risk;                           ///< the risk estimate that was used, such as "SURE"
-  std::vector<std::string> warnings;          ///< in words, for people
+  std::int64_t outlier_pixels = 0;      ///< pixels that were scaled down before filtering
+  double outlier_energy = 0;            ///< what that removed, as a fraction of the image's sum
+  std::vector<std::string> candidates;  ///< entry names; index = value of the choice plane; 0 is the unfiltered input
+  std::vector<double> choice_share;     ///< fraction of pixels whose largest weight is that entry's
+  std::array<double, 3> mean_error{};   ///< mean over the image of the estimated squared error, per channel
+  double mean_relative_error = 0;       ///< mean of error / (result^2 + 0.01) over pixels and channels
+  std::string risk;                     ///< the risk estimate that was used, such as "SURE"
+  std::vector<std::string> warnings;    ///< in words, for people
   std::vector<StageSeconds> stages;
-  std::string instruction_set;                ///< of the kernels, such as "AVX3"
+  std::string instruction_set;  ///< of the kernels, such as "AVX3"
 };
 
 /// All planes have the frame's size.

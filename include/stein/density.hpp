@@ -20,9 +20,11 @@ struct AllocationParams {
   std::uint32_t max_per_pixel = UINT32_MAX;  ///< and at most this many
 };
 
-/// Integer samples per pixel, proportional to `density` (>= 0, finite; values below 0 count as 0) as far as the bounds allow.
-/// The sum is exactly `budget`; equal inputs give equal outputs. Row-major, width * height. O(pixels log pixels).
-/// @throws Error kInvalidArgument if the bounds leave no room for the budget, kInvalidFrame naming a non-finite density.
+/// Integer samples per pixel, proportional to `density` (>= 0, finite; values below 0 count as 0) as far as the bounds
+/// allow. The sum is exactly `budget`; equal inputs give equal outputs. Row-major, width * height. O(pixels log
+/// pixels).
+/// @throws Error kInvalidArgument if the bounds leave no room for the budget, kInvalidFrame naming a non-finite
+/// density.
 [[nodiscard]] std::vector<std::uint32_t> allocate_samples(ConstPlaneView density, const AllocationParams& params);
 
 }  // namespace stein

@@ -41,10 +41,12 @@ class LoadedFrame {
   [[nodiscard]] const Frame& frame() const noexcept;
   [[nodiscard]] const std::vector<ChannelInfo>& channels() const noexcept;  ///< all channels of all parts
   [[nodiscard]] const std::string& path() const noexcept;
-  [[nodiscard]] std::array<int, 4> data_window() const noexcept;  ///< min x, min y, max x, max y of the part with the colour
+  [[nodiscard]] std::array<int, 4> data_window()
+      const noexcept;  ///< min x, min y, max x, max y of the part with the colour
   /// Y of the file's RGB primaries (attribute `chromaticities`), Rec. 709 where it has none.
   [[nodiscard]] std::array<float, 3> luminance_weights() const noexcept;
-  /// Row-major 3x3 matrix from the file's RGB to linear Rec. 709 (no chromatic adaptation beyond the white points' own).
+  /// Row-major 3x3 matrix from the file's RGB to linear Rec. 709 (no chromatic adaptation beyond the white points'
+  /// own).
   [[nodiscard]] std::array<float, 9> to_rec709() const noexcept;
   /// What the schema knows of and the file lacks, in words with the consequence.
   [[nodiscard]] const std::vector<std::string>& missing() const noexcept;
@@ -57,7 +59,8 @@ class LoadedFrame {
 };
 
 /// Reads the native schema from a single- or multi-part, scanline or tiled file of half, float or uint channels.
-/// @throws Error kIo (cannot open, truncated), kUnsupported (deep, subsampled), kInvalidFrame (planes missing), naming file and channel.
+/// @throws Error kIo (cannot open, truncated), kUnsupported (deep, subsampled), kInvalidFrame (planes missing), naming
+/// file and channel.
 [[nodiscard]] LoadedFrame read_frame(const std::string& path, const ReadOptions& options = {});
 
 /// Any planes of a file by full channel names, whatever the schema: for comparing and looking.
@@ -73,22 +76,23 @@ struct NamedPlanes {
 [[nodiscard]] NamedPlanes read_planes(const std::string& path, const std::vector<std::string>& names = {});
 
 struct WriteOptions {
-  bool error = true;     ///< error.R/G/B
-  bool choice = true;    ///< choice.V
-  bool density = true;   ///< density.V
-  bool noisy = false;    ///< the input's colour as noisy.R/G/B
-  bool inputs = false;   ///< keep the planes that describe the noisy input: variances, covariances, sampleCount
+  bool error = true;         ///< error.R/G/B
+  bool choice = true;        ///< choice.V
+  bool density = true;       ///< density.V
+  bool noisy = false;        ///< the input's colour as noisy.R/G/B
+  bool inputs = false;       ///< keep the planes that describe the noisy input: variances, covariances, sampleCount
   bool half_colour = false;  ///< write R, G, B as half (float otherwise); what half cannot hold is clamped to +-65504
   const std::vector<std::uint32_t>* samples = nullptr;  ///< if given: `density.samples` (uint), row-major
 };
 
-/// Writes the result next to everything of `source` that does not describe its noise: other channels, parts and attributes
-/// are carried over bit for bit, streamed from the source's file, which `path` may be as well. Parts that lose or gain
-/// channels, always the one with the colour, are written as scanlines, also where the source has tiles (of a pyramid, its
-/// full size), with ZIP where its compression is lossy. Error, choice and density of an earlier run are dropped. The file
-/// appears whole or not at all (temporary file in the same folder, renamed).
+/// Writes the result next to everything of `source` that does not describe its noise: other channels, parts and
+/// attributes are carried over bit for bit, streamed from the source's file, which `path` may be as well. Parts that
+/// lose or gain channels, always the one with the colour, are written as scanlines, also where the source has tiles (of
+/// a pyramid, its full size), with ZIP where its compression is lossy. Error, choice and density of an earlier run are
+/// dropped. The file appears whole or not at all (temporary file in the same folder, renamed).
 /// @throws Error kIo naming the file; kInvalidArgument if the result is not of the source's size.
-void write_result(const std::string& path, const LoadedFrame& source, const DenoiseResult& result, const WriteOptions& options = {});
+void write_result(const std::string& path, const LoadedFrame& source, const DenoiseResult& result,
+                  const WriteOptions& options = {});
 
 /// A plain file of named float planes of one size, written whole or not at all.
 void write_planes(const std::string& path, const std::vector<std::pair<std::string, ConstPlaneView>>& planes);

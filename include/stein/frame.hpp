@@ -18,7 +18,8 @@ struct Feature {
   std::string name;
   std::vector<ConstPlaneView> mean;      ///< 1..4 channels
   std::vector<ConstPlaneView> variance;  ///< of the mean, one per channel; empty: the feature is taken as free of noise
-  /// Covariance of the means of colour channel c and channel k of this feature at [c * mean.size() + k]; empty if unknown.
+  /// Covariance of the means of colour channel c and channel k of this feature at [c * mean.size() + k]; empty if
+  /// unknown.
   std::vector<ConstPlaneView> colour_covariance;
 };
 
@@ -36,8 +37,8 @@ struct Frame {
   std::array<ConstPlaneView, 3> colour_variance;  ///< of the mean, >= 0
   /// Cov(R,G), Cov(R,B), Cov(G,B) of the means; absent if unknown.
   std::array<ConstPlaneView, 3> colour_covariance;
-  ConstPlaneView sample_count;      ///< n per pixel, 0 = no data; absent: `uniform_sample_count` holds for every pixel
-  float uniform_sample_count = 0;   ///< used where `sample_count` is absent; must then be >= 1
+  ConstPlaneView sample_count;     ///< n per pixel, 0 = no data; absent: `uniform_sample_count` holds for every pixel
+  float uniform_sample_count = 0;  ///< used where `sample_count` is absent; must then be >= 1
   std::vector<Feature> features;
   ConstPlaneView alpha;                   ///< optional; carried, not filtered
   std::vector<ColourLayer> extra_layers;  ///< carried, not filtered
@@ -54,8 +55,8 @@ struct BadValue {
 
 /// What `inspect` counted.
 struct FrameReport {
-  /// Pixels without usable colour: non-finite mean or variance (or a mean beyond 1e15), negative variance, or no samples. They have no weight
-  /// as sources and are filled from their neighbours.
+  /// Pixels without usable colour: non-finite mean or variance (or a mean beyond 1e15), negative variance, or no
+  /// samples. They have no weight as sources and are filled from their neighbours.
   std::int64_t invalid_pixels = 0;
   BadValue first_invalid;  ///< in row order; meaningful if invalid_pixels > 0
   /// Per feature: pixels where the mean or variance is unusable; the feature is left out of distances of those pixels.

@@ -16,7 +16,9 @@ namespace stein {
 enum class ScalarType : std::uint8_t { kFloat32, kFloat16, kUint32 };
 
 /// Size of one element in bytes.
-[[nodiscard]] constexpr std::ptrdiff_t byte_size(ScalarType type) noexcept { return type == ScalarType::kFloat16 ? 2 : 4; }
+[[nodiscard]] constexpr std::ptrdiff_t byte_size(ScalarType type) noexcept {
+  return type == ScalarType::kFloat16 ? 2 : 4;
+}
 
 /// Read-only view of one channel.
 class ConstPlaneView {
@@ -68,7 +70,9 @@ class PlaneView {
       : view_(data, width, height, pixel_stride, row_stride), data_(reinterpret_cast<std::byte*>(data)) {}
 
   [[nodiscard]] constexpr explicit operator bool() const noexcept { return static_cast<bool>(view_); }
-  constexpr operator ConstPlaneView() const noexcept { return view_; }  // NOLINT(google-explicit-constructor): a view narrows freely
+  constexpr operator ConstPlaneView() const noexcept {
+    return view_;
+  }  // NOLINT(google-explicit-constructor): a view narrows freely
   [[nodiscard]] constexpr int width() const noexcept { return view_.width(); }
   [[nodiscard]] constexpr int height() const noexcept { return view_.height(); }
 
@@ -92,7 +96,9 @@ class Plane {
   [[nodiscard]] explicit operator bool() const noexcept { return data_ != nullptr; }
   [[nodiscard]] int width() const noexcept { return width_; }
   [[nodiscard]] int height() const noexcept { return height_; }
-  [[nodiscard]] std::ptrdiff_t row_stride() const noexcept { return pitch_ * static_cast<std::ptrdiff_t>(sizeof(float)); }  ///< bytes
+  [[nodiscard]] std::ptrdiff_t row_stride() const noexcept {
+    return pitch_ * static_cast<std::ptrdiff_t>(sizeof(float));
+  }  ///< bytes
   [[nodiscard]] float* row(int y) noexcept { return data_.get() + y * pitch_; }
   [[nodiscard]] const float* row(int y) const noexcept { return data_.get() + y * pitch_; }
   [[nodiscard]] PlaneView view() noexcept { return {data_.get(), width_, height_, 0, row_stride()}; }

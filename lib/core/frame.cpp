@@ -54,7 +54,8 @@ void check_counts(const Frame& frame) {
   if (frame.sample_count) {
     check_plane(frame, frame.sample_count, "sampleCount", "supply samples per pixel");
   } else if (!(frame.uniform_sample_count >= 1) || !std::isfinite(frame.uniform_sample_count)) {
-    fail(frame, "the number of samples per pixel is unknown; supply the plane 'sampleCount' or a uniform sample count >= 1");
+    fail(frame,
+         "the number of samples per pixel is unknown; supply the plane 'sampleCount' or a uniform sample count >= 1");
   }
 }
 
@@ -79,7 +80,8 @@ void check_feature(const Frame& frame, const Feature& feature) {
     }
   }
   for (std::size_t i = 0; i < feature.colour_covariance.size(); ++i) {
-    const std::string name = std::string("covariance.") + kRgb[i / channels] + "." + plane_name(feature, i % channels, false);
+    const std::string name =
+        std::string("covariance.") + kRgb[i / channels] + "." + plane_name(feature, i % channels, false);
     check_plane(frame, feature.colour_covariance[i], name, "supply three covariances per channel or none");
   }
 }
@@ -107,11 +109,13 @@ void check(const Frame& frame) {
   std::set<std::string> names;
   for (const Feature& feature : frame.features) {
     check_feature(frame, feature);
-    if (!names.insert(feature.name).second) fail(frame, "two features are named '" + feature.name + "'; names must be unique");
+    if (!names.insert(feature.name).second)
+      fail(frame, "two features are named '" + feature.name + "'; names must be unique");
   }
   if (frame.alpha) check_plane(frame, frame.alpha, "A", "");
   for (const ColourLayer& layer : frame.extra_layers) {
-    for (std::size_t c = 0; c < 3; ++c) check_plane(frame, layer.mean[c], layer.name + "." + kRgb[c], "supply R, G and B of the layer");
+    for (std::size_t c = 0; c < 3; ++c)
+      check_plane(frame, layer.mean[c], layer.name + "." + kRgb[c], "supply R, G and B of the layer");
   }
 }
 
@@ -130,7 +134,8 @@ void require_clean(const Frame& frame, const FrameReport& report) {
   for (std::size_t f = 0; f < report.bad_feature_pixels.size(); ++f) {
     if (report.bad_feature_pixels[f] > 0) {
       fail(frame, describe(report.first_bad_feature[f]) + "; " + std::to_string(report.bad_feature_pixels[f]) +
-                      " pixels of feature '" + frame.features[f].name + "' are unusable: fix the renderer, or allow repairs");
+                      " pixels of feature '" + frame.features[f].name +
+                      "' are unusable: fix the renderer, or allow repairs");
     }
   }
 }

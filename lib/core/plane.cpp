@@ -6,6 +6,8 @@
 #include <cstring>
 #include <new>
 
+#include "kernels/convert.hpp"
+
 namespace stein {
 namespace {
 
@@ -19,8 +21,8 @@ T load(const std::byte* p) noexcept {
   return value;
 }
 
-// IEEE binary16 to binary32, without branches so that rows vectorise: the exponent is moved by a multiplication, which
-// also normalises the denormals; infinities and NaNs get the exponent that the multiplication could not reach.
+// IEEE binary16 to binary32: the exponent is moved by a multiplication, which also normalises the denormals; infinities
+// and NaNs get the exponent that the multiplication could not reach.
 float half_to_float(std::uint16_t half) noexcept {
   const std::uint32_t magnitude = static_cast<std::uint32_t>(half & 0x7FFFU) << 13;
   const std::uint32_t sign = static_cast<std::uint32_t>(half & 0x8000U) << 16;
@@ -31,11 +33,7 @@ float half_to_float(std::uint16_t half) noexcept {
 
 template <class T, class Convert>
 void convert_row(const std::byte* p, std::ptrdiff_t stride, int count, float* out, Convert convert) noexcept {
-  if (stride == static_cast<std::ptrdiff_t>(sizeof(T))) {  // known stride: the compiler vectorises
-    for (int i = 0; i < count; ++i) out[i] = convert(load<T>(p + i * static_cast<std::ptrdiff_t>(sizeof(T))));
-  } else {
-    for (int i = 0; i < count; ++i) out[i] = convert(load<T>(p + i * stride));
-  }
+  for (int i = 0; i < count; ++i) out[i] = convert(load<T>(p + i * stride));
 }
 
 }  // namespace
@@ -56,9 +54,12 @@ void ConstPlaneView::read_row(int y, int x, int count, float* out) const noexcep
       }
       return convert_row<float>(p, pixel_stride_, count, out, [](float v) { return v; });
     case ScalarType::kFloat16:
+      if (pixel_stride_ == static_cast<std::ptrdiff_t>(sizeof(std::uint16_t)))
+        return kernels::half_to_float_row(p, count, out);
       return convert_row<std::uint16_t>(p, pixel_stride_, count, out, half_to_float);
     case ScalarType::kUint32:
-      return convert_row<std::uint32_t>(p, pixel_stride_, count, out, [](std::uint32_t v) { return static_cast<float>(v); });
+      return convert_row<std::uint32_t>(p, pixel_stride_, count, out,
+                                        [](std::uint32_t v) { return static_cast<float>(v); });
   }
 }
 
@@ -72,10 +73,10 @@ Plane::Plane(int width, int height) : width_(width), height_(height) {
   const std::ptrdiff_t lines = (static_cast<std::ptrdiff_t>(width) + kFloatsPerLine - 1) / kFloatsPerLine;
   pitch_ = (lines | 1) * kFloatsPerLine;
   const std::size_t count = static_cast<std::size_t>(pitch_) * static_cast<std::size_t>(height);
-  data_.reset(static_cast<float*>(::operator new(count * sizeof(float), std::align_val_t{kAlignment})));
+  data_.reset(static_cast<float*>(::operator new (count * sizeof(float), std::align_val_t{kAlignment})));
   std::fill_n(data_.get(), count, 0.0F);
 }
 
-void Plane::Free::operator()(float* p) const noexcept { ::operator delete(p, std::align_val_t{kAlignment}); }
+void Plane::Free::operator()(float* p) const noexcept { ::operator delete (p, std::align_val_t{kAlignment}); }
 
 }  // namespace stein

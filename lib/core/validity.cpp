@@ -115,14 +115,16 @@ void sample_count_row(const Frame& frame, int y, int x, int count, float* n) {
 FrameReport inspect(const Frame& frame, exec::Runner& runner, double progress_weight) {
   check(frame);
   std::vector<RowReport> rows(static_cast<std::size_t>(frame.height));
-  runner.for_each(frame.height, progress_weight, [&](int y, int) { rows[static_cast<std::size_t>(y)] = inspect_row(frame, y); });
+  runner.for_each(frame.height, progress_weight,
+                  [&](int y, int) { rows[static_cast<std::size_t>(y)] = inspect_row(frame, y); });
 
   FrameReport report;
   report.bad_feature_pixels.resize(frame.features.size());
   report.first_bad_feature.resize(frame.features.size());
   for (int y = 0; y < frame.height; ++y) {
     const RowReport& row = rows[static_cast<std::size_t>(y)];
-    if (row.invalid > 0 && report.invalid_pixels == 0) report.first_invalid = explain_colour(frame, row.first_invalid_x, y);
+    if (row.invalid > 0 && report.invalid_pixels == 0)
+      report.first_invalid = explain_colour(frame, row.first_invalid_x, y);
     report.invalid_pixels += row.invalid;
     report.single_sample_pixels += row.single_sample;
     for (std::size_t f = 0; f < frame.features.size(); ++f) {

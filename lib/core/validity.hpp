@@ -11,7 +11,8 @@ namespace stein {
 /// mask[i] = 1 where the colour of pixel (x + i, y) is usable, else 0. Returns the number of unusable pixels.
 int colour_validity_row(const Frame& frame, int y, int x, int count, float* mask);
 
-/// mask[i] = 1 where mean and variance of the feature at pixel (x + i, y) are usable, else 0. Returns the number that are not.
+/// mask[i] = 1 where mean and variance of the feature at pixel (x + i, y) are usable, else 0. Returns the number that
+/// are not.
 int feature_validity_row(const Feature& feature, int y, int x, int count, float* mask);
 
 /// Samples per pixel of pixels [x, x + count) of row y.

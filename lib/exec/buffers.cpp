@@ -6,21 +6,23 @@
 namespace stein::exec {
 namespace {
 
-constexpr std::ptrdiff_t kLine = 16;           // floats in a cache line, and the widest vector
-constexpr std::ptrdiff_t kPage = 1024;         // floats whose addresses repeat modulo 4096 bytes
+constexpr std::ptrdiff_t kLine = 16;            // floats in a cache line, and the widest vector
+constexpr std::ptrdiff_t kPage = 1024;          // floats whose addresses repeat modulo 4096 bytes
 constexpr std::ptrdiff_t kStagger = 5 * kLine;  // planes start this far apart modulo a page
 
-std::ptrdiff_t round_up(std::ptrdiff_t value, std::ptrdiff_t multiple) { return (value + multiple - 1) / multiple * multiple; }
+std::ptrdiff_t round_up(std::ptrdiff_t value, std::ptrdiff_t multiple) {
+  return (value + multiple - 1) / multiple * multiple;
+}
 
-// The next plane stride that is kStagger modulo a page: streams over the same pixel of many planes then fall into different
-// cache sets. With equal sets the bank is three times slower.
+// The next plane stride that is kStagger modulo a page: streams over the same pixel of many planes then fall into
+// different cache sets. With equal sets the bank is three times slower.
 std::ptrdiff_t staggered(std::ptrdiff_t floats) { return round_up(floats - kStagger, kPage) + kStagger; }
 
 }  // namespace
 
 float* FloatBuffer::reserve(std::size_t count) {
   if (count > size_) {
-    data_.reset(static_cast<float*>(::operator new(count * sizeof(float), std::align_val_t{64})));
+    data_.reset(static_cast<float*>(::operator new (count * sizeof(float), std::align_val_t{64})));
     std::fill_n(data_.get(), count, 0.0F);
     size_ = count;
   }

@@ -19,7 +19,7 @@ class FloatBuffer {
 
  private:
   struct Free {
-    void operator()(float* p) const noexcept { ::operator delete(p, std::align_val_t{64}); }
+    void operator()(float* p) const noexcept { ::operator delete (p, std::align_val_t{64}); }
   };
   std::unique_ptr<float, Free> data_;
   std::size_t size_ = 0;
@@ -42,7 +42,8 @@ struct TileLayout {
 class TilePlanes {
  public:
   void reserve(const TileLayout& layout, int planes);
-  /// Pixel (0, y) of the tile, y in [-halo, max_height + halo); x from -halo on may be used, and 16 floats past the end.
+  /// Pixel (0, y) of the tile, y in [-halo, max_height + halo); x from -halo on may be used, and 16 floats past the
+  /// end.
   [[nodiscard]] float* row(int plane, int y) const noexcept {
     return buffer_.data() + plane * layout_.plane_stride + (y + layout_.halo) * layout_.pitch + left_;
   }

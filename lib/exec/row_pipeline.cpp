@@ -35,8 +35,8 @@ int ring_capacity(const RowPipelineGeometry& geometry, const std::vector<int>& h
   return geometry.band_height + 2 * std::accumulate(halos.begin(), halos.end(), 0);
 }
 
-std::vector<double> run_row_pipeline(const RowPipelineGeometry& geometry, const std::vector<RowStage>& stages, Runner& runner,
-                                     double progress_weight) {
+std::vector<double> run_row_pipeline(const RowPipelineGeometry& geometry, const std::vector<RowStage>& stages,
+                                     Runner& runner, double progress_weight) {
   double total_weight = 0;
   for (const RowStage& stage : stages) total_weight += stage.weight;
   std::vector<double> seconds(stages.size(), 0.0);

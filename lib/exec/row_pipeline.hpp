@@ -35,7 +35,7 @@ struct RowPipelineGeometry {
 
 /// Runs every stage over the whole image; stage s reaches row y only when its predecessors have passed y + halo.
 /// Adds `progress_weight` to the progress in all. Returns the seconds of each stage.
-std::vector<double> run_row_pipeline(const RowPipelineGeometry& geometry, const std::vector<RowStage>& stages, Runner& runner,
-                                     double progress_weight);
+std::vector<double> run_row_pipeline(const RowPipelineGeometry& geometry, const std::vector<RowStage>& stages,
+                                     Runner& runner, double progress_weight);
 
 }  // namespace stein::exec

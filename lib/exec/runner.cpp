@@ -9,10 +9,37 @@
 #include <atomic>
 #include <mutex>
 #include <optional>
+#include <vector>
 
 #include "stein/error.hpp"
 
+#ifdef __has_feature
+#if __has_feature(thread_sanitizer)
+#define STEIN_TSAN 1
+#endif
+#elif defined(__SANITIZE_THREAD__)
+#define STEIN_TSAN 1
+#endif
+#ifdef STEIN_TSAN
+#include <sanitizer/tsan_interface.h>
+#endif
+
 namespace stein::exec {
+namespace {
+
+// ThreadSanitizer does not see how TBB, which is built without it, orders the work. These tell it: what was done before
+// `publish(p)` is seen after `observe(p)`.
+#ifdef STEIN_TSAN
+void publish(void* p) { __tsan_release(p); }
+void observe(void* p) { __tsan_acquire(p); }
+#else
+void publish(void* /*p*/) {}
+void observe(void* /*p*/) {}
+#endif
+
+char begin_of_loop = 0;  // static: what a closure holds is only seen after observing
+
+}  // namespace
 
 struct Runner::State {
   std::optional<tbb::global_control> more_workers;  // oneTBB makes no more than there are cores unless told so
@@ -51,11 +78,19 @@ void Runner::for_each(int count, double weight, const std::function<void(int, in
   if (count <= 0) return;
   State& state = *state_;
   const double step = weight / count;
+  std::vector<char> in_slot(static_cast<std::size_t>(slots()));
   const auto run_item = [&](int item) {
-    if (state.cancelled) return;
-    body(item, tbb::this_task_arena::current_thread_index());
-    state.advance(step);
+    const int slot = tbb::this_task_arena::current_thread_index();
+    observe(&begin_of_loop);
+    observe(&in_slot[static_cast<std::size_t>(slot)]);
+    if (!state.cancelled) {
+      body(item, slot);
+      state.advance(step);
+    }
+    publish(&in_slot[static_cast<std::size_t>(slot)]);
+    publish(&state);
   };
+  publish(&begin_of_loop);
   const auto loop = [&] {
     // Isolated: a thread that waits here must not pick up unrelated work of the caller while it owns a slot.
     tbb::this_task_arena::isolate([&] { tbb::parallel_for(0, count, run_item, tbb::simple_partitioner{}); });
@@ -65,6 +100,7 @@ void Runner::for_each(int count, double weight, const std::function<void(int, in
   } else {
     loop();
   }
+  observe(&state);
   if (state.cancelled) throw Error(ErrorCode::kCancelled, "cancelled by the progress callback");
 }
 

@@ -6,10 +6,11 @@
 // w_ij          | kernels/weights-inl.hpp times ScaleTaps::spatial  | 4
 // D(f_i, f_j)   | kernels/weights-inl.hpp, guides from GuideSet     | 6
 // F, dF/dc      | kernels/cross_bilateral.cpp                       | 5, 7 (= 13)
+#include "kernels/cross_bilateral.hpp"
+
 #include "filters/filter.hpp"
 #include "filters/guide_tile.hpp"
 #include "filters/taps.hpp"
-#include "kernels/cross_bilateral.hpp"
 
 namespace stein {
 namespace {
@@ -65,7 +66,8 @@ class CrossBilateral final : public PreparedFilter {
     });
     for (int y = 0; y < tile.height(); ++y) {
       for (std::size_t c = 0; c < 3; ++c) {
-        source_.variance_row(c, tile.y0 + y, tile.x0, tile.width(), planes.row(first_plane + 3 + static_cast<int>(c), y));
+        source_.variance_row(c, tile.y0 + y, tile.x0, tile.width(),
+                             planes.row(first_plane + 3 + static_cast<int>(c), y));
       }
     }
   }
@@ -80,7 +82,8 @@ class CrossBilateral final : public PreparedFilter {
 
 }  // namespace
 
-std::unique_ptr<PreparedFilter> prepare(const CrossBilateralParams& params, const Source& source, int tile_width, int tile_height) {
+std::unique_ptr<PreparedFilter> prepare(const CrossBilateralParams& params, const Source& source, int tile_width,
+                                        int tile_height) {
   return std::make_unique<CrossBilateral>(params, source, tile_width, tile_height);
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The contract of a filter: it returns, for every candidate of its bank, the filtered colour F and the divergence term that
-// the risk estimate needs of dF, and it declares its halo. Tiles, threads, memory, selection and tests then work alike.
+// The contract of a filter: it returns, for every candidate of its bank, the filtered colour F and the divergence term
+// that the risk estimate needs of dF, and it declares its halo. Tiles, threads, memory, selection and tests then work
+// alike.
 #pragma once
 
 #include <memory>
@@ -20,9 +21,12 @@ class CandidateRows {
   explicit CandidateRows(const exec::RowRing& rows, int first_plane = 0) : rows_(rows), first_(first_plane) {}
 
   /// The filtered colour.
-  [[nodiscard]] float* result(int candidate, int channel, int y) const noexcept { return rows_.row(plane(candidate, channel), y); }
-  /// D_c = sum over inputs j of dF_c/dx_j Cov(x_j, x_c): what 2 D_c adds to the risk (SBF Eq. 2; Joint SURE Eq. 2). Covariances
-  /// are of the mean. With independent channels and features free of noise: variance of the mean times dF_c/dx_c.
+  [[nodiscard]] float* result(int candidate, int channel, int y) const noexcept {
+    return rows_.row(plane(candidate, channel), y);
+  }
+  /// D_c = sum over inputs j of dF_c/dx_j Cov(x_j, x_c): what 2 D_c adds to the risk (SBF Eq. 2; Joint SURE Eq. 2).
+  /// Covariances are of the mean. With independent channels and features free of noise: variance of the mean times
+  /// dF_c/dx_c.
   [[nodiscard]] float* divergence(int candidate, int channel, int y) const noexcept {
     return rows_.row(plane(candidate, channel) + 3, y);
   }
@@ -38,7 +42,8 @@ struct FilterScratch {
   exec::TilePlanes tile;
 };
 
-/// A filter bound to its parameters and to one frame. Const and stateless while it runs: tiles run in any order and thread.
+/// A filter bound to its parameters and to one frame. Const and stateless while it runs: tiles run in any order and
+/// thread.
 class PreparedFilter {
  public:
   PreparedFilter() = default;
@@ -53,9 +58,11 @@ class PreparedFilter {
 };
 
 /// One overload per filter, each in its own pair of files. Tiles must not exceed tile_width x tile_height.
-[[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const CrossBilateralParams& params, const Source& source, int tile_width, int tile_height);
+[[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const CrossBilateralParams& params, const Source& source,
+                                                      int tile_width, int tile_height);
 
 /// The overload for the alternative that `spec` holds.
-[[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const FilterSpec& spec, const Source& source, int tile_width, int tile_height);
+[[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const FilterSpec& spec, const Source& source, int tile_width,
+                                                      int tile_height);
 
 }  // namespace stein

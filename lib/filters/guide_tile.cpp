@@ -50,19 +50,21 @@ void GuideSet::load(const Rect& tile, exec::TilePlanes& planes) const {
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const Group& group = groups_[g];
     const int variance_plane = channels_ + static_cast<int>(g);
-    load_tile(tile, frame.width, frame.height, planes, variance_plane, 1, [](int, int, int, float* const*) {});  // clears
-    load_tile(tile, frame.width, frame.height, planes, channel, group.channels, [&](int y, int x, int n, float* const* rows) {
-      float* variance = planes.row(variance_plane, y - tile.y0) + (x - tile.x0);
-      if (group.feature >= 0) {
-        source_.feature_row(static_cast<std::size_t>(group.feature), group.factor, y, x, n, rows, variance);
-        return;
-      }
-      for (std::size_t c = 0; c < 3; ++c) {
-        source_.colour_row(c, y, x, n, rows[c]);
-        for (int i = 0; i < n; ++i) rows[c][i] *= group.factor;
-      }
-      std::fill_n(variance, n, 0.5F);  // the range term of Eq. 4 is not normalised: the two variances sum to 1
-    });
+    load_tile(tile, frame.width, frame.height, planes, variance_plane, 1,
+              [](int, int, int, float* const*) {});  // clears
+    load_tile(
+        tile, frame.width, frame.height, planes, channel, group.channels, [&](int y, int x, int n, float* const* rows) {
+          float* variance = planes.row(variance_plane, y - tile.y0) + (x - tile.x0);
+          if (group.feature >= 0) {
+            source_.feature_row(static_cast<std::size_t>(group.feature), group.factor, y, x, n, rows, variance);
+            return;
+          }
+          for (std::size_t c = 0; c < 3; ++c) {
+            source_.colour_row(c, y, x, n, rows[c]);
+            for (int i = 0; i < n; ++i) rows[c][i] *= group.factor;
+          }
+          std::fill_n(variance, n, 0.5F);  // the range term of Eq. 4 is not normalised: the two variances sum to 1
+        });
     channel += group.channels;
   }
 }

@@ -33,7 +33,8 @@ class GuideSet {
   struct Group {
     int feature = 0;  ///< index into the frame's features; -1: the colour
     int channels = 0;
-    float factor = 0;  ///< to the normalised feature, such that the kernel's squared distance is D^2 / (2 sigma^2) * log2(e)
+    float factor =
+        0;  ///< to the normalised feature, such that the kernel's squared distance is D^2 / (2 sigma^2) * log2(e)
   };
   void add(int feature, int channels, float sigma);
 
@@ -43,10 +44,11 @@ class GuideSet {
   float min_variance_ = 0;
 };
 
-/// Clears planes [first, first + count) of the tile and its halo, then calls load(image_y, image_x, n, rows) for each row that
-/// lies in the image; it writes n floats, for pixels [image_x, image_x + n), to each of rows[0..count).
+/// Clears planes [first, first + count) of the tile and its halo, then calls load(image_y, image_x, n, rows) for each
+/// row that lies in the image; it writes n floats, for pixels [image_x, image_x + n), to each of rows[0..count).
 template <class Load>
-void load_tile(const Rect& tile, int image_width, int image_height, exec::TilePlanes& planes, int first, int count, Load load) {
+void load_tile(const Rect& tile, int image_width, int image_height, exec::TilePlanes& planes, int first, int count,
+               Load load) {
   const int halo = planes.layout().halo;
   const int x0 = std::max(tile.x0 - halo, 0);
   const int x1 = std::min(tile.x1 + halo, image_width);

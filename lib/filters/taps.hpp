@@ -10,8 +10,9 @@
 
 namespace stein {
 
-/// Spatial Gaussians of several scales over one list of taps. A scale reaches kRadiusInSigmas standard deviations; taps are
-/// sorted by the number of scales that reach them, padded to whole batches, so that each batch has one set of active scales.
+/// Spatial Gaussians of several scales over one list of taps. A scale reaches kRadiusInSigmas standard deviations; taps
+/// are sorted by the number of scales that reach them, padded to whole batches, so that each batch has one set of
+/// active scales.
 struct ScaleTaps {
   static constexpr float kRadiusInSigmas = 2.0F;
 

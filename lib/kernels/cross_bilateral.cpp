@@ -39,7 +39,8 @@ HWY_INLINE void accumulate(FloatTag d, float (*HWY_RESTRICT sum)[kMaxLanes], con
 }
 
 template <bool kRange, bool kUsual>
-HWY_INLINE void add_batch(FloatTag d, const CrossBilateralRow& row, std::ptrdiff_t x, int batch, Sums<kSumCount<kRange>>& sums) {
+HWY_INLINE void add_batch(FloatTag d, const CrossBilateralRow& row, std::ptrdiff_t x, int batch,
+                          Sums<kSumCount<kRange>>& sums) {
   const std::ptrdiff_t* taps = row.taps + batch * kTapBatch;
   FloatVec v[kSumCount<kRange>][kTapBatch];
   guide_weights<kUsual>(d, row.guides, x, taps, v[0]);
@@ -57,7 +58,8 @@ HWY_INLINE void add_batch(FloatTag d, const CrossBilateralRow& row, std::ptrdiff
 }
 
 template <bool kRange>
-HWY_INLINE void finish_block(FloatTag d, const CrossBilateralRow& row, std::ptrdiff_t x, const Sums<kSumCount<kRange>>& sums) {
+HWY_INLINE void finish_block(FloatTag d, const CrossBilateralRow& row, std::ptrdiff_t x,
+                             const Sums<kSumCount<kRange>>& sums) {
   const FloatVec one = hn::Set(d, 1.0F);
   for (int s = 0; s < row.scales; ++s) {
     const FloatVec weight = hn::Load(d, sums.sum[s][0]);

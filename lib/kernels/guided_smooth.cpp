@@ -17,7 +17,8 @@ struct SmoothSums {
 };
 
 template <bool kUsual>
-HWY_INLINE void smooth_batch(FloatTag d, const GuidedSmoothRow& row, std::ptrdiff_t x, int first_tap, SmoothSums& sums) {
+HWY_INLINE void smooth_batch(FloatTag d, const GuidedSmoothRow& row, std::ptrdiff_t x, int first_tap,
+                             SmoothSums& sums) {
   const std::ptrdiff_t* taps = row.taps + first_tap;
   FloatVec w[kTapBatch];
   guide_weights<kUsual>(d, row.guides, x, taps, w);

@@ -54,8 +54,8 @@ struct Distances {
 
 // Adds the group's |a - b|^2 / max(va + vb, min_variance) to the distances; kFirst: there is nothing to add to yet.
 template <bool kFirst>
-HWY_INLINE void add_group(FloatTag d, const Guides& guides, int group, int first_channel, int end_channel, std::ptrdiff_t x,
-                          const std::ptrdiff_t (&at)[kTapBatch], Distances& distances) {
+HWY_INLINE void add_group(FloatTag d, const Guides& guides, int group, int first_channel, int end_channel,
+                          std::ptrdiff_t x, const std::ptrdiff_t (&at)[kTapBatch], Distances& distances) {
   FloatVec s[kTapBatch];
   for (FloatVec& sum : s) sum = hn::Zero(d);
   for (int k = first_channel; k < end_channel; ++k) {
@@ -76,7 +76,8 @@ HWY_INLINE void add_group(FloatTag d, const Guides& guides, int group, int first
   }
 }
 
-// w[t] = mask * 2^-d of the pixels at offsets[t] from x. kUsual: the groups are a normal (3), an albedo (3) and a depth (1).
+// w[t] = mask * 2^-d of the pixels at offsets[t] from x. kUsual: the groups are a normal (3), an albedo (3) and a depth
+// (1).
 template <bool kUsual>
 HWY_INLINE void guide_weights(FloatTag d, const Guides& guides, std::ptrdiff_t x, const std::ptrdiff_t* offsets,
                               FloatVec (&w)[kTapBatch]) {
@@ -95,7 +96,8 @@ HWY_INLINE void guide_weights(FloatTag d, const Guides& guides, std::ptrdiff_t x
     for (int g = 0; g < guides.groups; ++g) {  // one division per group: products of many denominators could overflow
       add_group<true>(d, guides, g, channel, guides.group_end[g], x, at, part);
       channel = guides.group_end[g];
-      for (int t = 0; t < kTapBatch; ++t) distance[t] = hn::MulAdd(part.num[t], reciprocal(d, part.den[t]), distance[t]);
+      for (int t = 0; t < kTapBatch; ++t)
+        distance[t] = hn::MulAdd(part.num[t], reciprocal(d, part.den[t]), distance[t]);
     }
   }
   for (int t = 0; t < kTapBatch; ++t) w[t] = hn::Mul(exp2_negative(d, distance[t]), hn::LoadU(d, guides.mask + at[t]));

@@ -19,7 +19,8 @@ struct Comparison {
   double ssim = 0;  ///< Gaussian sigma 1.5 (11x11), of the mean of the clipped, sRGB-encoded channels
 };
 
-/// `image` against `reference` (same size; checked). Non-finite pixels make the figures non-finite: they are not hidden.
+/// `image` against `reference` (same size; checked). Non-finite pixels make the figures non-finite: they are not
+/// hidden.
 [[nodiscard]] Comparison compare(const Rgb& image, const Rgb& reference);
 
 /// (a-b)^2 / (b^2 + 0.01), mean over the channels, per pixel.

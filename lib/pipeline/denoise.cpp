@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The method as a short driver. SBF: Li, Wu, Chuang, "SURE-based Optimization for Adaptive Sampling and Reconstruction", 2012.
+// The method as a short driver. SBF: Li, Wu, Chuang, "SURE-based Optimization for Adaptive Sampling and
+// Reconstruction", 2012.
 #include "stein/denoise.hpp"
 
 #include <algorithm>
@@ -45,7 +46,8 @@ class StageClock {
  public:
   explicit StageClock(std::vector<StageSeconds>& stages) : stages_(stages) {}
   void add(const std::string& name, double seconds) {
-    const auto found = std::find_if(stages_.begin(), stages_.end(), [&](const StageSeconds& s) { return s.name == name; });
+    const auto found =
+        std::find_if(stages_.begin(), stages_.end(), [&](const StageSeconds& s) { return s.name == name; });
     if (found != stages_.end()) {
       found->seconds += seconds;
     } else {
@@ -82,8 +84,10 @@ void check(const DenoiseParams& params) {
   for (const float weight : params.luminance_weights) require_in_range("luminance_weights", weight, -10.0F, 10.0F);
   const Execution& execution = params.execution;
   require_in_range("execution.threads", static_cast<float>(execution.threads), 0.0F, 4096.0F);
-  if (execution.tile_width != 0) require_in_range("execution.tile_width", static_cast<float>(execution.tile_width), 16.0F, 4096.0F, "px");
-  if (execution.tile_height != 0) require_in_range("execution.tile_height", static_cast<float>(execution.tile_height), 1.0F, 4096.0F, "px");
+  if (execution.tile_width != 0)
+    require_in_range("execution.tile_width", static_cast<float>(execution.tile_width), 16.0F, 4096.0F, "px");
+  if (execution.tile_height != 0)
+    require_in_range("execution.tile_height", static_cast<float>(execution.tile_height), 1.0F, 4096.0F, "px");
 }
 
 DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {

@@ -12,8 +12,9 @@
 namespace stein {
 namespace {
 
-// Smoothing of the risk maps: 5x5 taps 1, 2, 4 pixels apart reach 14 pixels at 75 taps, where the paper's sigma_s = 8 would take
-// 800. Feature sigmas are doubled: each pass weighs edges anew, and three narrow passes would smooth too little.
+// Smoothing of the risk maps: 5x5 taps 1, 2, 4 pixels apart reach 14 pixels at 75 taps, where the paper's sigma_s = 8
+// would take 800. Feature sigmas are doubled: each pass weighs edges anew, and three narrow passes would smooth too
+// little.
 const std::vector<int> kRiskSteps = {1, 2, 4};
 const std::vector<int> kWeightSteps = {1, 2};
 const std::vector<int> kErrorSteps = {1, 2, 4};
@@ -52,7 +53,8 @@ Stages::Stages(const Source& source, const DenoiseParams& params, const exec::Ro
 void Stages::plan(int slots) {
   scratch_.resize(static_cast<std::size_t>(slots));
   constexpr std::size_t kLines = 12;
-  lines_.assign(static_cast<std::size_t>(slots), std::vector<float>(kLines * static_cast<std::size_t>(geometry_.tile_width)));
+  lines_.assign(static_cast<std::size_t>(slots),
+                std::vector<float>(kLines * static_cast<std::size_t>(geometry_.tile_width)));
 
   candidates_ = add_ring((entries_ - 1) * CandidateRows::kPlanes);
   raw_risks_ = add_ring(entries_);
@@ -76,8 +78,8 @@ MapRows Stages::add_ring(int planes) {
 MapRows Stages::add_passes(const std::string& name, MapRows maps, PassKernel kernel, const std::vector<int>& steps,
                            TileStep then) {
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    passes_.push_back(std::make_unique<GuidedPass>(source_, guides_of(params_.filter), kSmoothingSigmaScale, kernel, steps[i],
-                                                   geometry_.tile_width, geometry_.tile_height));
+    passes_.push_back(std::make_unique<GuidedPass>(source_, guides_of(params_.filter), kSmoothingSigmaScale, kernel,
+                                                   steps[i], geometry_.tile_width, geometry_.tile_height));
     const GuidedPass* pass = passes_.back().get();
     const MapRows out = add_ring(maps.count);
     const TileStep last = i + 1 == steps.size() ? then : nullptr;
@@ -95,9 +97,9 @@ void Stages::filter_and_risk(const Rect& tile, int slot) {
   for (int y = tile.y0; y < tile.y1; ++y) risk_row(tile, y, lines_[static_cast<std::size_t>(slot)].data());
 }
 
-// Relative risk of every entry: SURE (SBF Eq. 2) of each channel over F^2 + 0.01, mean over the channels. F is the same for all
-// entries, that of a fairly wide candidate (sigma_s = 4 in both banks of the paper): weights of their own would favour entries
-// that are too bright, and a noisy F correlates with the risk it weighs.
+// Relative risk of every entry: SURE (SBF Eq. 2) of each channel over F^2 + 0.01, mean over the channels. F is the same
+// for all entries, that of a fairly wide candidate (sigma_s = 4 in both banks of the paper): weights of their own would
+// favour entries that are too bright, and a noisy F correlates with the risk it weighs.
 void Stages::risk_row(const Rect& tile, int y, float* lines) {
   const int n = tile.width();
   const auto line = [&](int i) { return lines + i * geometry_.tile_width; };
@@ -149,8 +151,8 @@ void Stages::mix(const Rect& tile, int slot) {
   }
 }
 
-// The mixture of the entries, then of that and the input as `strength` says, and its own risk: for given weights F and D of a
-// mixture are the mixtures of F and D.
+// The mixture of the entries, then of that and the input as `strength` says, and its own risk: for given weights F and
+// D of a mixture are the mixtures of F and D.
 void Stages::mix_row(const Rect& tile, int y, float* lines) {
   const int n = tile.width();
   const auto line = [&](int i) { return lines + i * geometry_.tile_width; };
@@ -191,14 +193,15 @@ void Stages::mix_row(const Rect& tile, int y, float* lines) {
 void Stages::finish(const Rect& tile, int slot) {
   for (int y = tile.y0; y < tile.y1; ++y) {
     for (int c = 0; c < 3; ++c) {
-      std::copy_n(errors_.row(c, y) + tile.x0, tile.width(), result_.error[static_cast<std::size_t>(c)].row(y) + tile.x0);
+      std::copy_n(errors_.row(c, y) + tile.x0, tile.width(),
+                  result_.error[static_cast<std::size_t>(c)].row(y) + tile.x0);
     }
     density_row(tile, y, lines_[static_cast<std::size_t>(slot)].data());
   }
 }
 
-// SBF Eq. 9, before normalisation: S = (SURE + sigma^2) / (I^2 + eps), with the mean over the channels of the estimated error and
-// of the per-sample variance, and I the luminance of the result. Estimates below 0 count as 0.
+// SBF Eq. 9, before normalisation: S = (SURE + sigma^2) / (I^2 + eps), with the mean over the channels of the estimated
+// error and of the per-sample variance, and I the luminance of the result. Estimates below 0 count as 0.
 void Stages::density_row(const Rect& tile, int y, float* lines) {
   const int n = tile.width();
   const auto line = [&](int i) { return lines + i * geometry_.tile_width; };

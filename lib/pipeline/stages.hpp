@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The stages of the method. Each works on tiles and reads what earlier ones left in windows of rows; pipeline/denoise.cpp
-// runs them.
+// The stages of the method. Each works on tiles and reads what earlier ones left in windows of rows;
+// pipeline/denoise.cpp runs them.
 #pragma once
 
 #include <memory>
@@ -29,8 +29,10 @@ class Stages {
   using TileStep = void (Stages::*)(const Rect& tile, int slot);
 
   void plan(int slots);
-  /// Appends a chain of smoothing passes over `maps`; `then` handles each tile of the last one. Returns where that leaves them.
-  MapRows add_passes(const std::string& name, MapRows maps, PassKernel kernel, const std::vector<int>& steps, TileStep then);
+  /// Appends a chain of smoothing passes over `maps`; `then` handles each tile of the last one. Returns where that
+  /// leaves them.
+  MapRows add_passes(const std::string& name, MapRows maps, PassKernel kernel, const std::vector<int>& steps,
+                     TileStep then);
   MapRows add_ring(int planes);
 
   void filter_and_risk(const Rect& tile, int slot);
@@ -55,8 +57,8 @@ class Stages {
   MapRows raw_risks_;   // relative risk of the entries
   MapRows risks_;       // the same, smoothed, then the choice
   MapRows weights_;
-  MapRows raw_errors_;  // risk of the mixture per channel
-  MapRows errors_;      // the same, smoothed
+  MapRows raw_errors_;                     // risk of the mixture per channel
+  MapRows errors_;                         // the same, smoothed
   std::vector<FilterScratch> scratch_;     // per slot
   std::vector<std::vector<float>> lines_;  // per slot: rows as wide as a tile
   std::vector<exec::RowStage> list_;

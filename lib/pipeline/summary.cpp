@@ -63,8 +63,8 @@ void warn(DenoiseReport& report, const Parts&... parts) {
 void add_warnings(const Frame& frame, DenoiseReport& report) {
   const FrameReport& found = report.frame;
   if (found.invalid_pixels > 0) {
-    warn(report, found.invalid_pixels, " pixels had no usable colour (first: plane '", found.first_invalid.plane, "' holds ",
-         found.first_invalid.value, " at ", found.first_invalid.x, ", ", found.first_invalid.y,
+    warn(report, found.invalid_pixels, " pixels had no usable colour (first: plane '", found.first_invalid.plane,
+         "' holds ", found.first_invalid.value, " at ", found.first_invalid.x, ", ", found.first_invalid.y,
          "); they were filled from their neighbours");
   }
   for (std::size_t f = 0; f < frame.features.size(); ++f) {
@@ -78,19 +78,22 @@ void add_warnings(const Frame& frame, DenoiseReport& report) {
   }
   if (found.single_sample_pixels > 0) {
     warn(report, found.single_sample_pixels,
-         " pixels have one sample: their variance cannot come from it, and the estimated error is only as good as what was given");
+         " pixels have one sample: their variance cannot come from it, and the estimated error is only as good as what "
+         "was given");
   }
   if (frame.features.empty()) warn(report, "there are no features; edges are not protected");
   if (!frame.features.empty()) {
-    warn(report, has_all_covariances(frame) ? "covariances of colour and features are present but not used by plain SURE"
-                                            : "no covariances of colour and features",
+    warn(report,
+         has_all_covariances(frame) ? "covariances of colour and features are present but not used by plain SURE"
+                                    : "no covariances of colour and features",
          "; where both are noisy the estimated error is too low");
   }
 }
 
 }  // namespace
 
-void summarise(const Frame& frame, const DenoiseParams& params, exec::Runner& runner, double progress_weight, DenoiseResult& result) {
+void summarise(const Frame& frame, const DenoiseParams& params, exec::Runner& runner, double progress_weight,
+               DenoiseResult& result) {
   DenoiseReport& report = result.report;
   report.candidates = candidate_names(params.filter);
   report.risk = "SURE";
@@ -107,7 +110,8 @@ void summarise(const Frame& frame, const DenoiseParams& params, exec::Runner& ru
   for (const RowSums& row : rows) {
     for (std::size_t c = 0; c < 3; ++c) report.mean_error[c] += row.error[c] / pixels;
     report.mean_relative_error += row.relative_error / (3.0 * pixels);
-    for (std::size_t e = 0; e < row.choices.size(); ++e) report.choice_share[e] += static_cast<double>(row.choices[e]) / pixels;
+    for (std::size_t e = 0; e < row.choices.size(); ++e)
+      report.choice_share[e] += static_cast<double>(row.choices[e]) / pixels;
     density += row.density;
     radiance += row.radiance;
   }

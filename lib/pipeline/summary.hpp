@@ -7,6 +7,7 @@
 namespace stein {
 
 /// Figures of the whole image for the report, warnings, and the density scaled to a mean of 1.
-void summarise(const Frame& frame, const DenoiseParams& params, exec::Runner& runner, double progress_weight, DenoiseResult& result);
+void summarise(const Frame& frame, const DenoiseParams& params, exec::Runner& runner, double progress_weight,
+               DenoiseResult& result);
 
 }  // namespace stein

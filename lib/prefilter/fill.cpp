@@ -10,7 +10,8 @@ namespace {
 // Progress of the fill: which pixels are known, and the values of those that had to be filled.
 class Holes {
  public:
-  explicit Holes(const Frame& frame) : frame_(frame), entry_(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height), kValid) {
+  explicit Holes(const Frame& frame)
+      : frame_(frame), entry_(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height), kValid) {
     std::vector<float> mask(static_cast<std::size_t>(frame.width));
     for (int y = 0; y < frame.height; ++y) {
       if (colour_validity_row(frame, y, 0, frame.width, mask.data()) == 0) continue;
@@ -21,7 +22,9 @@ class Holes {
   }
 
   [[nodiscard]] bool is_unknown(int x, int y) const { return entry_[index(x, y)] == kUnknown; }
-  [[nodiscard]] bool is_known(int x, int y) const { return entry_[index(x, y)] != kUnknown && entry_[index(x, y)] != kQueued; }
+  [[nodiscard]] bool is_known(int x, int y) const {
+    return entry_[index(x, y)] != kUnknown && entry_[index(x, y)] != kQueued;
+  }
 
   // The unknown pixels next to known ones, in row order; marks them as queued.
   std::vector<ReplacedPixel> first_layer() {
@@ -100,10 +103,12 @@ std::vector<ReplacedPixel> fill_invalid(const Frame& frame) {
   while (!layer.empty()) layer = holes.advance(layer);
   std::vector<ReplacedPixel> filled = holes.take_filled();
   if (filled.empty()) {
-    throw Error(ErrorCode::kInvalidFrame, (frame.origin.empty() ? "frame" : frame.origin) +
-                                              ": no pixel has usable colour, variance and samples; nothing can be filtered");
+    throw Error(ErrorCode::kInvalidFrame,
+                (frame.origin.empty() ? "frame" : frame.origin) +
+                    ": no pixel has usable colour, variance and samples; nothing can be filtered");
   }
-  std::sort(filled.begin(), filled.end(), [](const ReplacedPixel& a, const ReplacedPixel& b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); });
+  std::sort(filled.begin(), filled.end(),
+            [](const ReplacedPixel& a, const ReplacedPixel& b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); });
   return filled;
 }
 

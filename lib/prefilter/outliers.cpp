@@ -7,7 +7,8 @@
 namespace stein {
 namespace {
 
-// Mean over the channels, its standard error, and validity of the pixels of one row, with one pixel of margin at both ends.
+// Mean over the channels, its standard error, and validity of the pixels of one row, with one pixel of margin at both
+// ends.
 struct BrightnessRow {
   std::vector<float> mean;
   std::vector<float> error;
@@ -16,7 +17,8 @@ struct BrightnessRow {
 
 BrightnessRow load_brightness(const Source& source, int y) {
   const auto width = static_cast<std::size_t>(source.frame().width);
-  BrightnessRow row{std::vector<float>(width + 2, 0.0F), std::vector<float>(width + 2, 0.0F), std::vector<float>(width + 2, 0.0F)};
+  BrightnessRow row{std::vector<float>(width + 2, 0.0F), std::vector<float>(width + 2, 0.0F),
+                    std::vector<float>(width + 2, 0.0F)};
   if (y < 0 || y >= source.frame().height) return row;
   std::vector<float> mean(width);
   std::vector<float> variance(width);
@@ -60,7 +62,8 @@ OutlierReport outliers_of_row(const Source& source, const OutlierParams& params,
     if (here.valid[x] == 0.0F || mean <= 0.0F || mean <= here.mean[x - 1] || mean <= here.mean[x + 1]) continue;
     const Neighbour neighbour = brightest_neighbour(rows, x);
     const float excess = mean - neighbour.mean;
-    if (!neighbour.found || excess <= params.excess * neighbour.error || excess >= params.support * here.error[x]) continue;
+    if (!neighbour.found || excess <= params.excess * neighbour.error || excess >= params.support * here.error[x])
+      continue;
     const float scale = std::max(neighbour.mean, 0.0F) / mean;
     ReplacedPixel pixel{static_cast<int>(x) - 1, y, {}, true};
     for (std::size_t c = 0; c < 3; ++c) {
@@ -77,7 +80,8 @@ OutlierReport outliers_of_row(const Source& source, const OutlierParams& params,
 
 OutlierReport find_outliers(const Source& source, const OutlierParams& params, exec::Runner& runner) {
   std::vector<OutlierReport> rows(static_cast<std::size_t>(source.frame().height));
-  runner.for_each(source.frame().height, 0.0, [&](int y, int) { rows[static_cast<std::size_t>(y)] = outliers_of_row(source, params, y); });
+  runner.for_each(source.frame().height, 0.0,
+                  [&](int y, int) { rows[static_cast<std::size_t>(y)] = outliers_of_row(source, params, y); });
   OutlierReport all;
   for (const OutlierReport& row : rows) {
     all.pixels.insert(all.pixels.end(), row.pixels.begin(), row.pixels.end());

@@ -17,7 +17,8 @@ struct OutlierReport {
 };
 
 /// A valid pixel is an outlier if its mean over the channels exceeds
-///   - the largest m of its valid neighbours' (8-neighbourhood) by more than `excess` of that neighbour's standard errors, and
+///   - the largest m of its valid neighbours' (8-neighbourhood) by more than `excess` of that neighbour's standard
+///   errors, and
 ///   - m by less than `support` of its own standard errors: its samples do not agree that it is brighter.
 /// It is scaled down to m. With more samples standard errors shrink and no pixel is touched.
 [[nodiscard]] OutlierReport find_outliers(const Source& source, const OutlierParams& params, exec::Runner& runner);

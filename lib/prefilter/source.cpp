@@ -10,12 +10,14 @@ namespace stein {
 namespace {
 
 constexpr int kChunk = 512;
-// Variance of a feature that is to count nothing: large against any scaled distance, small enough not to overflow with it.
+// Variance of a feature that is to count nothing: large against any scaled distance, small enough not to overflow with
+// it.
 constexpr float kNoInformation = 1e10F;
 // Scaled features are clipped to this: the square of their difference stays finite, and far below kNoInformation.
 constexpr float kLargest = 1e4F;
 
-// Values at up to 2^16 pixels spread evenly over the plane, finite ones only. Even odd-sized steps: no column is preferred.
+// Values at up to 2^16 pixels spread evenly over the plane, finite ones only. Even odd-sized steps: no column is
+// preferred.
 std::vector<float> sample_plane(const ConstPlaneView& plane) {
   const std::int64_t pixels = static_cast<std::int64_t>(plane.width()) * plane.height();
   const std::int64_t step = (pixels / 65536) | 1;
@@ -59,7 +61,9 @@ Source::Source(const Frame& frame, const FrameReport& report) : frame_(frame) {
 
 void Source::replace(const std::vector<ReplacedPixel>& pixels) {
   if (pixels.empty()) return;
-  const auto before = [](const ReplacedPixel& a, const ReplacedPixel& b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); };
+  const auto before = [](const ReplacedPixel& a, const ReplacedPixel& b) {
+    return std::pair(a.y, a.x) < std::pair(b.y, b.x);
+  };
   std::vector<ReplacedPixel> merged(replaced_.size() + pixels.size());
   std::merge(replaced_.begin(), replaced_.end(), pixels.begin(), pixels.end(), merged.begin(), before);
   replaced_ = std::move(merged);
@@ -103,7 +107,8 @@ void Source::mask_row(int y, int x, int count, float* out) const {
   for_each_replaced(y, x, count, [&](const ReplacedPixel& p, int i) { out[i] = p.is_source ? 1.0F : 0.0F; });
 }
 
-void Source::feature_row(std::size_t feature, float factor, int y, int x, int count, float* const* means, float* variance) const {
+void Source::feature_row(std::size_t feature, float factor, int y, int x, int count, float* const* means,
+                         float* variance) const {
   const Feature& source = frame_.features[feature];
   const std::size_t channels = source.mean.size();
   const float scale = feature_scales_[feature];

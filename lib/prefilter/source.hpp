@@ -17,15 +17,18 @@ struct ReplacedPixel {
   int x = 0;
   int y = 0;
   std::array<float, 3> colour{};
-  bool is_source = false;  ///< false: an invalid pixel, filled from its neighbours; true: an outlier that was scaled down
+  bool is_source =
+      false;  ///< false: an invalid pixel, filled from its neighbours; true: an outlier that was scaled down
 };
 
-/// Fills from the rim of every hole inwards: each pixel gets the mean of its already known 8 neighbours. Row order. O(pixels).
+/// Fills from the rim of every hole inwards: each pixel gets the mean of its already known 8 neighbours. Row order.
+/// O(pixels).
 /// @throws Error kInvalidFrame if no pixel at all is valid.
 [[nodiscard]] std::vector<ReplacedPixel> fill_invalid(const Frame& frame);
 
 /// What to divide a feature by so that its distances are comparable between scenes: 1 for features that are bounded by
-/// nature (normal, albedo, visibility), the 99.9 % quantile for depth, the largest channel's 0.1-99.9 % range for others.
+/// nature (normal, albedo, visibility), the 99.9 % quantile for depth, the largest channel's 0.1-99.9 % range for
+/// others.
 [[nodiscard]] float feature_range(const Feature& feature);
 
 class Source {
@@ -41,16 +44,18 @@ class Source {
 
   /// Colour mean as the filters are to see it.
   void colour_row(std::size_t channel, int y, int x, int count, float* out) const;
-  /// Variance of the mean that the filtered colour's own dependence on the pixel has to be weighted with: 0 at replaced pixels,
-  /// whose value no longer depends on their samples.
+  /// Variance of the mean that the filtered colour's own dependence on the pixel has to be weighted with: 0 at replaced
+  /// pixels, whose value no longer depends on their samples.
   void variance_row(std::size_t channel, int y, int x, int count, float* out) const;
   /// The frame's own colour mean and variance of the mean, for the risk; at invalid pixels the fill and 0.
   void input_row(std::size_t channel, int y, int x, int count, float* mean, float* variance) const;
   /// 1 at valid pixels, 0 at invalid ones.
   void mask_row(int y, int x, int count, float* out) const;
-  /// Feature means times `factor`, one row per channel, and the per-sample variance of the group (the mean over its channels),
-  /// all in normalised units. Where the feature is unusable: means 0 and a variance that takes it out of any distance.
-  void feature_row(std::size_t feature, float factor, int y, int x, int count, float* const* means, float* variance) const;
+  /// Feature means times `factor`, one row per channel, and the per-sample variance of the group (the mean over its
+  /// channels), all in normalised units. Where the feature is unusable: means 0 and a variance that takes it out of any
+  /// distance.
+  void feature_row(std::size_t feature, float factor, int y, int x, int count, float* const* means,
+                   float* variance) const;
 
  private:
   template <class Visit>

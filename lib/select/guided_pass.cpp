@@ -23,7 +23,9 @@ GuidedPass::GuidedPass(const Source& source, const CrossBilateralParams& params,
       guides_(source, scaled_guides(params, sigma_scale), false),
       layout_(tile_width, tile_height, kRadius * step) {
   constexpr std::array<float, 5> kSpline = {1.0F / 16, 4.0F / 16, 6.0F / 16, 4.0F / 16, 1.0F / 16};
-  const auto weight = [&](int i) { return kernel == PassKernel::kBox ? 1.0F : kSpline.at(static_cast<std::size_t>(i + kRadius)); };
+  const auto weight = [&](int i) {
+    return kernel == PassKernel::kBox ? 1.0F : kSpline.at(static_cast<std::size_t>(i + kRadius));
+  };
   for (int dy = -kRadius; dy <= kRadius; ++dy) {
     for (int dx = -kRadius; dx <= kRadius; ++dx) {
       taps_.push_back(layout_.offset(dx * step, dy * step));

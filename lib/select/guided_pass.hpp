@@ -22,8 +22,8 @@ struct MapRows {
 
 /// Spatial weights of the five taps of a pass, in x and in y.
 enum class PassKernel {
-  kBox,      ///< widest for its taps; several passes leave a faint grid around isolated values
-  kB3Spline, ///< 1 4 6 4 1: smooth over any number of passes
+  kBox,       ///< widest for its taps; several passes leave a faint grid around isolated values
+  kB3Spline,  ///< 1 4 6 4 1: smooth over any number of passes
 };
 
 class GuidedPass {

@@ -7,11 +7,12 @@ namespace stein {
 
 inline constexpr int kMaxEntries = 9;  ///< the unfiltered input and the candidates of a bank
 
-/// Relative risk is clipped to +-kRiskLimit before it is smoothed: a single pixel's vote is bounded. For the choice only; the
-/// error that is reported is not clipped.
+/// Relative risk is clipped to +-kRiskLimit before it is smoothed: a single pixel's vote is bounded. For the choice
+/// only; the error that is reported is not clipped.
 inline constexpr float kRiskLimit = 1.0F;
 
-/// Replaces the risks of `entries` maps by weights: 1 for the entry of least risk (the first of equals), 0 for the others.
+/// Replaces the risks of `entries` maps by weights: 1 for the entry of least risk (the first of equals), 0 for the
+/// others.
 void argmin_row(float* const* maps, int entries, int count);
 
 /// Index of the largest weight (the first of equals), as float.

@@ -103,7 +103,8 @@ TEST_CASE("every filter: pixels beyond the declared halo cannot change a tile") 
     OwnedFrame frame(96, 80, kUsualFeatures);
     fill_random(frame, 23);
     const BankResult before = run_filter(spec, frame.frame());
-    // Changes every plane outside of the halo of the tile [40, 48) x [36, 42); quantiles for the depth stay as they are.
+    // Changes every plane outside of the halo of the tile [40, 48) x [36, 42); quantiles for the depth stay as they
+    // are.
     const int halo = before.halo;
     for (const std::string& name : frame.names()) {
       if (name == "sampleCount" || name.rfind("depth", 0) == 0) continue;
@@ -150,12 +151,14 @@ TEST_CASE("every filter: half, interleaved and negatively strided input gives th
     for (int y = 0; y < 18; ++y) {
       for (int x = 0; x < 35; ++x) {
         for (std::size_t c = 0; c < 3; ++c) {
-          interleaved[(static_cast<std::size_t>(17 - y) * 35 + static_cast<std::size_t>(x)) * 3 + c] = frame.frame().colour[c].at(x, y);
+          interleaved[(static_cast<std::size_t>(17 - y) * 35 + static_cast<std::size_t>(x)) * 3 + c] =
+              frame.frame().colour[c].at(x, y);
         }
       }
     }
     constexpr std::ptrdiff_t kRow = 35 * 3 * 4;
-    for (std::size_t c = 0; c < 3; ++c) frame.frame().colour[c] = ConstPlaneView(interleaved.data() + 17 * 35 * 3 + c, 35, 18, 12, -kRow);
+    for (std::size_t c = 0; c < 3; ++c)
+      frame.frame().colour[c] = ConstPlaneView(interleaved.data() + 17 * 35 * 3 + c, 35, 18, 12, -kRow);
     CHECK(identical(packed, run_filter(spec, frame.frame())));
   }
 }
@@ -176,7 +179,8 @@ TEST_CASE("every filter: images of one pixel, one row and one column") {
   }
 }
 
-TEST_CASE("every filter: an invalid pixel changes no other pixel than by its absence, and is filled from its neighbours") {
+TEST_CASE(
+    "every filter: an invalid pixel changes no other pixel than by its absence, and is filled from its neighbours") {
   for (const FilterSpec& spec : specs()) {
     OwnedFrame frame(40, 40, kUsualFeatures);
     fill_random(frame, 27);

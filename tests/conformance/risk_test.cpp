@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The mean of the risk against the mean of the true error, on synthetic Gaussian noise with features free of noise, where plain
-// SURE is unbiased. Fixed seeds; the bound is four standard errors of the difference, computed from the realisations.
+// The mean of the risk against the mean of the true error, on synthetic Gaussian noise with features free of noise,
+// where plain SURE is unbiased. Fixed seeds; the bound is four standard errors of the difference, computed from the
+// realisations.
 #include <cmath>
 
 #include "catch.hpp"
@@ -15,7 +16,9 @@ constexpr int kWidth = 48;
 constexpr int kHeight = 40;
 constexpr int kRealisations = 60;
 
-double truth(int x, int y, std::size_t c) { return 1.0 + 0.6 * std::sin(0.21 * x + static_cast<double>(c)) * std::cos(0.17 * y) + (x > 22 ? 0.7 : 0.0); }
+double truth(int x, int y, std::size_t c) {
+  return 1.0 + 0.6 * std::sin(0.21 * x + static_cast<double>(c)) * std::cos(0.17 * y) + (x > 22 ? 0.7 : 0.0);
+}
 double deviation(int x, int y) { return 0.15 + 0.2 * ((x / 8 + y / 8) % 2); }
 
 // A frame with exact features and the variance of the noise that will be added.
@@ -46,14 +49,17 @@ struct Mean {
     ++count;
   }
   [[nodiscard]] double value() const { return sum / count; }
-  [[nodiscard]] double standard_error() const { return std::sqrt((sum_of_squares / count - value() * value()) / (count - 1)); }
+  [[nodiscard]] double standard_error() const {
+    return std::sqrt((sum_of_squares / count - value() * value()) / (count - 1));
+  }
 };
 
 void add_noise(OwnedFrame& frame, Random& random) {
   constexpr std::array<const char*, 3> kRgb = {"R", "G", "B"};
   for (std::size_t c = 0; c < 3; ++c) {
     for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) frame.at(kRgb[c], x, y) = static_cast<float>(truth(x, y, c) + deviation(x, y) * random.normal());
+      for (int x = 0; x < kWidth; ++x)
+        frame.at(kRgb[c], x, y) = static_cast<float>(truth(x, y, c) + deviation(x, y) * random.normal());
     }
   }
 }
@@ -98,9 +104,11 @@ TEST_CASE("SURE: the mean of the estimate is the mean of the true error, for eve
       for (std::size_t s = 0; s < bias.size(); ++s) bias[s].add(bias_of(frame, bank, s));
     }
     for (std::size_t s = 0; s < bias.size(); ++s) {
-      INFO(filter_name(spec) << ", candidate " << s << ", bias " << bias[s].value() << " +- " << bias[s].standard_error());
+      INFO(filter_name(spec) << ", candidate " << s << ", bias " << bias[s].value() << " +- "
+                             << bias[s].standard_error());
       CHECK(std::abs(bias[s].value()) < 4.0 * bias[s].standard_error());
-      CHECK(bias[s].standard_error() < 2e-3);  // sharp enough to notice a missing term: 2 v / W is above 1e-2 at the narrow end
+      CHECK(bias[s].standard_error() <
+            2e-3);  // sharp enough to notice a missing term: 2 v / W is above 1e-2 at the narrow end
     }
   }
 }

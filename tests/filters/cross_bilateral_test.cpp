@@ -30,7 +30,8 @@ Largest deviation(const CrossBilateralParams& params, const Frame& frame) {
           source.variance_row(c, y, x, 1, &variance);
           const double f = bank.result[s][c].row(y)[x];
           const double d = bank.divergence[s][c].row(y)[x];
-          largest.result = std::max(largest.result, std::abs(f - expected.result[c]) / (1.0 + std::abs(expected.result[c])));
+          largest.result =
+              std::max(largest.result, std::abs(f - expected.result[c]) / (1.0 + std::abs(expected.result[c])));
           largest.derivative = std::max(largest.derivative, std::abs(d - variance * expected.derivative[c]) / 0.01);
         }
       }
@@ -54,8 +55,11 @@ TEST_CASE("cross-bilateral: equals the plain double reference for all sizes from
 }
 
 TEST_CASE("cross-bilateral: equals the reference for any set of features, with and without the range term") {
-  const std::vector<std::vector<FeatureShape>> sets = {
-      {}, kUsualFeatures, {{"depth", 1}}, {{"normal", 3}, {"position", 3}}, {{"a", 1}, {"b", 2}, {"c", 3}, {"d", 4}, {"e", 1}}};
+  const std::vector<std::vector<FeatureShape>> sets = {{},
+                                                       kUsualFeatures,
+                                                       {{"depth", 1}},
+                                                       {{"normal", 3}, {"position", 3}},
+                                                       {{"a", 1}, {"b", 2}, {"c", 3}, {"d", 4}, {"e", 1}}};
   for (const auto& features : sets) {
     OwnedFrame frame(37, 29, features);
     fill_random(frame, 7);

@@ -17,7 +17,9 @@ struct Scene {
   static constexpr int kHeight = 90;
   OwnedFrame frame{kWidth, kHeight, kUsualFeatures};
 
-  static double truth(int x, int y) { return 0.5 + 0.3 * std::sin(0.03 * x) + 0.1 * std::cos(0.05 * y) + (x > 70 ? 1.0 : 0.0); }
+  static double truth(int x, int y) {
+    return 0.5 + 0.3 * std::sin(0.03 * x) + 0.1 * std::cos(0.05 * y) + (x > 70 ? 1.0 : 0.0);
+  }
 
   explicit Scene(double deviation, std::uint64_t seed = 99) {
     Random random(seed);
@@ -118,7 +120,8 @@ TEST_CASE("denoise: an invalid pixel leaves no halo and is counted") {
   CHECK(result.report.frame.invalid_pixels == 3);
   CHECK(result.report.warnings.size() >= 1);
   for (int y = 0; y < Scene::kHeight; ++y) {
-    for (int x = 0; x < Scene::kWidth; ++x) CHECK(result.colour[0].row(y)[x] == Approx(expected.colour[0].row(y)[x]).margin(0.1));
+    for (int x = 0; x < Scene::kWidth; ++x)
+      CHECK(result.colour[0].row(y)[x] == Approx(expected.colour[0].row(y)[x]).margin(0.1));
   }
   DenoiseParams strict;
   strict.strict = true;
@@ -168,10 +171,12 @@ TEST_CASE("denoise: parameters out of range are named") {
   CHECK(message_of(scene.frame.frame(), params, ErrorCode::kInvalidArgument).find("threads") != std::string::npos);
   params = {};
   params.outliers.support = 0.0F;
-  CHECK(message_of(scene.frame.frame(), params, ErrorCode::kInvalidArgument).find("outliers.support") != std::string::npos);
+  CHECK(message_of(scene.frame.frame(), params, ErrorCode::kInvalidArgument).find("outliers.support") !=
+        std::string::npos);
   params = {};
   params.density.epsilon = 0.0F;
-  CHECK(message_of(scene.frame.frame(), params, ErrorCode::kInvalidArgument).find("density.epsilon") != std::string::npos);
+  CHECK(message_of(scene.frame.frame(), params, ErrorCode::kInvalidArgument).find("density.epsilon") !=
+        std::string::npos);
 }
 
 TEST_CASE("denoise: progress rises to 1 and cancelling stops at once") {

@@ -19,7 +19,8 @@ double feature_distance(const CrossBilateralParams& params, const Source& source
   const std::vector<Feature>& features = source.frame().features;
   for (std::size_t f = 0; f < features.size(); ++f) {
     double sigma = params.other_feature_sigma;
-    for (const FeatureSigma& entry : params.feature_sigmas) sigma = entry.name == features[f].name ? entry.sigma : sigma;
+    for (const FeatureSigma& entry : params.feature_sigmas)
+      sigma = entry.name == features[f].name ? entry.sigma : sigma;
     float valid_i = 0;
     float valid_j = 0;
     feature_validity_row(features[f], yi, xi, 1, &valid_i);
@@ -29,7 +30,8 @@ double feature_distance(const CrossBilateralParams& params, const Source& source
     double squared = 0;
     double variance = 0;
     for (std::size_t k = 0; k < features[f].mean.size(); ++k) {
-      const double difference = scale * (static_cast<double>(features[f].mean[k].at(xi, yi)) - features[f].mean[k].at(xj, yj));
+      const double difference =
+          scale * (static_cast<double>(features[f].mean[k].at(xi, yi)) - features[f].mean[k].at(xj, yj));
       squared += difference * difference;
       if (features[f].variance.empty()) continue;
       float ni = 0;
@@ -37,7 +39,8 @@ double feature_distance(const CrossBilateralParams& params, const Source& source
       sample_count_row(source.frame(), yi, xi, 1, &ni);
       sample_count_row(source.frame(), yj, xj, 1, &nj);
       variance += scale * scale *
-                  (static_cast<double>(features[f].variance[k].at(xi, yi)) * ni + static_cast<double>(features[f].variance[k].at(xj, yj)) * nj);
+                  (static_cast<double>(features[f].variance[k].at(xi, yi)) * ni +
+                   static_cast<double>(features[f].variance[k].at(xj, yj)) * nj);
     }
     variance /= static_cast<double>(features[f].mean.size());
     sum += squared / std::max<double>(variance, params.min_feature_variance) / (2.0 * sigma * sigma);
@@ -47,8 +50,8 @@ double feature_distance(const CrossBilateralParams& params, const Source& source
 
 }  // namespace
 
-PixelResult cross_bilateral_reference(const CrossBilateralParams& params, const Source& source, double sigma_s, int x, int y,
-                                      const std::array<double, 3>& nudge) {
+PixelResult cross_bilateral_reference(const CrossBilateralParams& params, const Source& source, double sigma_s, int x,
+                                      int y, const std::array<double, 3>& nudge) {
   const Frame& frame = source.frame();
   const auto colour = [&](int px, int py, std::size_t c) {
     float value = 0;

@@ -16,7 +16,7 @@ struct PixelResult {
 };
 
 /// SBF Eq. 4 to 8. `nudge` is added to the colour of the pixel itself: for finite differences.
-PixelResult cross_bilateral_reference(const CrossBilateralParams& params, const Source& source, double sigma_s, int x, int y,
-                                      const std::array<double, 3>& nudge = {});
+PixelResult cross_bilateral_reference(const CrossBilateralParams& params, const Source& source, double sigma_s, int x,
+                                      int y, const std::array<double, 3>& nudge = {});
 
 }  // namespace stein::test

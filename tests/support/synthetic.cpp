@@ -90,7 +90,8 @@ BankResult run_filter(const FilterSpec& spec, const Frame& frame, int tile_width
   FilterScratch scratch;
   for (int y = 0; y < frame.height; y += tile_height) {
     for (int x = 0; x < frame.width; x += tile_width) {
-      filter->run({x, y, std::min(x + tile_width, frame.width), std::min(y + tile_height, frame.height)}, scratch, rows);
+      filter->run({x, y, std::min(x + tile_width, frame.width), std::min(y + tile_height, frame.height)}, scratch,
+                  rows);
     }
   }
   BankResult bank;

@@ -30,7 +30,8 @@ struct FeatureShape {
   int channels = 1;
 };
 
-/// A frame that owns its planes. Planes are found by name ("R", "variance.G", "normal.X", "normal.variance.X", "sampleCount").
+/// A frame that owns its planes. Planes are found by name ("R", "variance.G", "normal.X", "normal.variance.X",
+/// "sampleCount").
 class OwnedFrame {
  public:
   OwnedFrame(int width, int height, const std::vector<FeatureShape>& features);

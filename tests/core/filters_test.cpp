@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stein/filters.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "catch.hpp"
+#include "core/parameter_check.hpp"
+#include "stein/error.hpp"
+
+namespace {
+
+using stein::CrossBilateralParams;
+using stein::FilterSpec;
+
+/// The message of the error that check throws; empty if it throws none.
+std::string refusal(const FilterSpec& spec) {
+  try {
+    stein::check(spec);
+  } catch (const stein::Error& error) {
+    CHECK(error.code() == stein::ErrorCode::kInvalidArgument);
+    return error.what();
+  }
+  return {};
+}
+
+template <class Change>
+std::string refusal_after(const Change& change) {
+  CrossBilateralParams params;
+  change(params);
+  return refusal(params);
+}
+
+bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("Every filter of the list is made by its name, is valid, and names its candidates") {
+  const std::vector<std::string_view> names = stein::filter_names();
+  CHECK(names.size() == std::variant_size_v<FilterSpec>);
+  CHECK(std::set<std::string_view>(names.begin(), names.end()).size() == names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    CAPTURE(names[i]);
+    const FilterSpec spec = stein::make_filter(names[i]);
+    CHECK(spec.index() == i);
+    CHECK(stein::filter_name(spec) == names[i]);
+    CHECK(refusal(spec).empty());
+    const std::vector<std::string> candidates = stein::candidate_names(spec);
+    REQUIRE(candidates.size() >= 2);
+    CHECK(candidates.front() == "input");
+    CHECK(std::set<std::string>(candidates.begin(), candidates.end()).size() == candidates.size());
+  }
+}
+
+TEST_CASE("An unknown filter is refused with the names there are") {
+  try {
+    static_cast<void>(stein::make_filter("cross-bilatera"));
+    FAIL("no error");
+  } catch (const stein::Error& error) {
+    CHECK(error.code() == stein::ErrorCode::kInvalidArgument);
+    CHECK(contains(error.what(), "'cross-bilatera'"));
+    for (const std::string_view name : stein::filter_names()) CHECK(contains(error.what(), name));
+  }
+}
+
+TEST_CASE("The cross-bilateral bank has the paper's scales") {
+  CHECK(stein::candidate_names(CrossBilateralParams{}) ==
+        std::vector<std::string>{"input", "sigma_s=1", "sigma_s=1.41", "sigma_s=2", "sigma_s=2.83", "sigma_s=4",
+                                 "sigma_s=5.66", "sigma_s=8"});
+  CHECK(stein::candidate_names(stein::intermediate_cross_bilateral()) ==
+        std::vector<std::string>{"input", "sigma_s=1", "sigma_s=2", "sigma_s=4"});
+}
+
+TEST_CASE("The ends of each range are allowed") {
+  using Params = CrossBilateralParams;
+  CHECK(refusal_after([](Params& p) { p.spatial_sigmas = {0.5F, 16.0F}; }).empty());
+  CHECK(refusal_after([](Params& p) { p.spatial_sigmas = {1, 2, 3, 4, 5, 6, 7, 8}; }).empty());
+  CHECK(refusal_after([](Params& p) { p.min_feature_variance = 1e-6F; }).empty());
+  CHECK(refusal_after([](Params& p) { p.min_feature_variance = 1.0F; }).empty());
+  CHECK(refusal_after([](Params& p) { p.other_feature_sigma = 0; }).empty());
+  CHECK(refusal_after([](Params& p) { p.range_sigma = 1e9F; }).empty());
+  CHECK(refusal_after([](Params& p) { p.feature_sigmas.clear(); }).empty());
+}
+
+TEST_CASE("A value out of range is refused with parameter, value and range") {
+  using Params = CrossBilateralParams;
+  const float inf = std::numeric_limits<float>::infinity();
+  const std::vector<std::pair<std::string, std::string>> messages = {
+      {refusal_after([](Params& p) { p.spatial_sigmas = {0.49F}; }),
+       "spatial_sigmas[0] is 0.49, must be in [0.5..16] px"},
+      {refusal_after([](Params& p) {
+         p.spatial_sigmas = {1, 16.5F};
+       }),
+       "spatial_sigmas[1] is 16.5, must be in [0.5..16]"},
+      {refusal_after([](Params& p) {
+         p.spatial_sigmas = {1, NAN};
+       }),
+       "spatial_sigmas[1] is nan"},
+      {refusal_after([](Params& p) {
+         p.spatial_sigmas = {2, 1};
+       }),
+       "spatial_sigmas[1] is 1, must be above"},
+      {refusal_after([](Params& p) {
+         p.spatial_sigmas = {2, 2};
+       }),
+       "ascending order"},
+      {refusal_after([](Params& p) { p.spatial_sigmas.clear(); }), "number of spatial_sigmas is 0, must be in [1..8]"},
+      {refusal_after([](Params& p) { p.spatial_sigmas = {1, 2, 3, 4, 5, 6, 7, 8, 9}; }),
+       "number of spatial_sigmas is 9"},
+      {refusal_after([](Params& p) { p.range_sigma = -0.5F; }), "range_sigma is -0.5, must be finite and >= 0"},
+      {refusal_after([=](Params& p) { p.range_sigma = inf; }), "range_sigma is inf"},
+      {refusal_after([](Params& p) { p.other_feature_sigma = -1; }), "other_feature_sigma is -1"},
+      {refusal_after([](Params& p) {
+         p.feature_sigmas = {{"depth", NAN}};
+       }),
+       "the sigma of feature 'depth' is nan"},
+      {refusal_after([](Params& p) {
+         p.feature_sigmas = {{"", 1}};
+       }),
+       "name"},
+      {refusal_after([](Params& p) {
+         p.feature_sigmas = {{"depth", 1}, {"depth", 2}};
+       }),
+       "'depth' is listed twice"},
+      {refusal_after([](Params& p) { p.min_feature_variance = 0.9e-6F; }),
+       "min_feature_variance is 9e-07, must be in [1e-06..1]"},
+      {refusal_after([](Params& p) { p.min_feature_variance = 1.01F; }), "min_feature_variance is 1.01"},
+  };
+  for (const auto& [message, part] : messages) {
+    CAPTURE(message, part);
+    CHECK(contains(message, part));
+    CHECK(contains(message, "cross-bilateral: "));
+  }
+}
+
+TEST_CASE("Numbers in texts are short and do not depend on the locale") {
+  CHECK(stein::to_text(0.1F) == "0.1");
+  CHECK(stein::to_text(16.0F) == "16");
+  CHECK(stein::to_text(-1.5F) == "-1.5");
+  CHECK(stein::to_text(11.3137085F, 3) == "11.3");
+  CHECK(stein::to_text(std::numeric_limits<float>::max()) == "3.4028235e+38");
+}
