@@ -30,13 +30,15 @@ void run_bank(benchmark::State& state, const CrossBilateralParams& params) {
   constexpr int kHeight = 32;
   const BenchFrame frame(kWidth * 3, kHeight * 3);
   const Source source(frame.frame(), inspect(frame.frame()));
-  const auto filter = prepare(FilterSpec(params), source, kWidth, kHeight);
+  const GuideRows guides(source, params, kHeight * 3);
+  guides.prepare({0, 0, kWidth * 3, kHeight * 3});
+  const auto filter = prepare(params, {source, guides, kWidth, kHeight});
   const exec::RowRing ring(filter->candidates() * CandidateRows::kPlanes, kWidth * 3, kHeight * 3);
   FilterScratch scratch;
   for (auto _ : state) filter->run({kWidth, kHeight, 2 * kWidth, 2 * kHeight}, scratch, CandidateRows(ring));
   const double pixels = kWidth * kHeight;
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * kWidth * kHeight);
-  const exec::TileLayout layout(kWidth, kHeight, filter->halo());
+  const exec::TileLayout layout(kWidth, kHeight, halo(params));
   state.counters["flops"] =
       benchmark::Counter(pixels * bank_flops(params, layout), benchmark::Counter::kIsIterationInvariantRate);
   state.SetLabel(kernels::instruction_set());

@@ -44,9 +44,9 @@ void TilePlanes::reserve(const TileLayout& layout, int planes) {
 }
 
 RowRing::RowRing(int planes, int width, int capacity) : capacity_(capacity) {
-  pitch_ = (round_up(width, kLine) / kLine | 1) * kLine;
+  pitch_ = ((round_up(width, kLine) + 2 * kPadding) / kLine | 1) * kLine;
   plane_stride_ = staggered(pitch_ * capacity);
-  buffer_.reserve(static_cast<std::size_t>(plane_stride_ * planes));
+  buffer_.reserve(static_cast<std::size_t>(plane_stride_ * planes + kPadding));
 }
 
 }  // namespace stein::exec

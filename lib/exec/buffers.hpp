@@ -60,9 +60,11 @@ class RowRing {
  public:
   RowRing() = default;
   RowRing(int planes, int width, int capacity);
-  /// Pixel (0, y). Rows are padded to a multiple of 16 floats.
+  static constexpr int kPadding =
+      16;  ///< readable floats left of pixel 0, and right of the last one; zero unless written
+  /// Pixel (0, y). Up to 15 floats past the last pixel may be written.
   [[nodiscard]] float* row(int plane, int y) const noexcept {
-    return buffer_.data() + plane * plane_stride_ + static_cast<std::ptrdiff_t>(y % capacity_) * pitch_;
+    return buffer_.data() + plane * plane_stride_ + static_cast<std::ptrdiff_t>(y % capacity_) * pitch_ + kPadding;
   }
   [[nodiscard]] int capacity() const noexcept { return capacity_; }
 

@@ -4,12 +4,11 @@
 //
 // symbol        | here                                             | Eq.
 // w_ij          | kernels/weights-inl.hpp times ScaleTaps::spatial  | 4
-// D(f_i, f_j)   | kernels/weights-inl.hpp, guides from GuideSet     | 6
+// D(f_i, f_j)   | kernels/weights-inl.hpp, guides from GuideRows    | 6
 // F, dF/dc      | kernels/cross_bilateral.cpp                       | 5, 7 (= 13)
 #include "kernels/cross_bilateral.hpp"
 
 #include "filters/filter.hpp"
-#include "filters/guide_tile.hpp"
 #include "filters/taps.hpp"
 
 namespace stein {
@@ -17,16 +16,15 @@ namespace {
 
 class CrossBilateral final : public PreparedFilter {
  public:
-  CrossBilateral(const CrossBilateralParams& params, const Source& source, int tile_width, int tile_height)
-      : source_(source),
-        guides_(source, params, true),
-        layout_(tile_width, tile_height, radius_of(params.spatial_sigmas)),
+  CrossBilateral(const CrossBilateralParams& params, const FilterContext& context)
+      : source_(context.source),
+        guides_(context.guides),
+        layout_(context.tile_width, context.tile_height, stein::halo(params)),
         taps_(params.spatial_sigmas, layout_),
         scales_(static_cast<int>(params.spatial_sigmas.size())),
         inverse_range_variance_(params.range_sigma > 0 ? 1.0F / (params.range_sigma * params.range_sigma) : 0.0F) {}
 
   [[nodiscard]] int candidates() const noexcept override { return scales_; }
-  [[nodiscard]] int halo() const noexcept override { return layout_.halo; }
 
   void run(const Rect& tile, FilterScratch& scratch, const CandidateRows& out) const override {
     exec::TilePlanes& planes = scratch.tile;
@@ -45,7 +43,7 @@ class CrossBilateral final : public PreparedFilter {
     row.scales = scales_;
     row.inverse_range_variance = inverse_range_variance_;
     for (int y = 0; y < tile.height(); ++y) {
-      row.guides = guides_.row(planes, y);
+      row.guides = guides_.tile_row(planes, y);
       for (int c = 0; c < 3; ++c) {
         row.colour[c] = planes.row(colour + c, y);
         row.variance[c] = planes.row(variance + c, y);
@@ -73,7 +71,7 @@ class CrossBilateral final : public PreparedFilter {
   }
 
   const Source& source_;
-  GuideSet guides_;
+  const GuideRows& guides_;
   exec::TileLayout layout_;
   ScaleTaps taps_;
   int scales_;
@@ -82,9 +80,10 @@ class CrossBilateral final : public PreparedFilter {
 
 }  // namespace
 
-std::unique_ptr<PreparedFilter> prepare(const CrossBilateralParams& params, const Source& source, int tile_width,
-                                        int tile_height) {
-  return std::make_unique<CrossBilateral>(params, source, tile_width, tile_height);
+int halo(const CrossBilateralParams& params) { return radius_of(params.spatial_sigmas); }
+
+std::unique_ptr<PreparedFilter> prepare(const CrossBilateralParams& params, const FilterContext& context) {
+  return std::make_unique<CrossBilateral>(params, context);
 }
 
 }  // namespace stein

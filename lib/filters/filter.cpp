@@ -3,8 +3,16 @@
 
 namespace stein {
 
-std::unique_ptr<PreparedFilter> prepare(const FilterSpec& spec, const Source& source, int tile_width, int tile_height) {
-  return std::visit([&](const auto& params) { return prepare(params, source, tile_width, tile_height); }, spec);
+int halo(const FilterSpec& spec) {
+  return std::visit([](const auto& params) { return halo(params); }, spec);
+}
+
+std::unique_ptr<PreparedFilter> prepare(const FilterSpec& spec, const FilterContext& context) {
+  return std::visit([&](const auto& params) { return prepare(params, context); }, spec);
+}
+
+const CrossBilateralParams& guides_of(const FilterSpec& spec) {
+  return std::visit([](const auto& params) -> const CrossBilateralParams& { return params; }, spec);
 }
 
 }  // namespace stein

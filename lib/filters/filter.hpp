@@ -9,6 +9,7 @@
 
 #include "exec/buffers.hpp"
 #include "exec/rect.hpp"
+#include "filters/guide_rows.hpp"
 #include "prefilter/source.hpp"
 #include "stein/filters.hpp"
 
@@ -52,17 +53,28 @@ class PreparedFilter {
   virtual ~PreparedFilter() = default;
 
   [[nodiscard]] virtual int candidates() const noexcept = 0;  ///< without the unfiltered input
-  [[nodiscard]] virtual int halo() const noexcept = 0;        ///< pixels farther than this from a tile cannot change it
   /// Fills F and D of the tile. Writes up to the next multiple of 16 pixels in x.
   virtual void run(const Rect& tile, FilterScratch& scratch, const CandidateRows& out) const = 0;
 };
 
-/// One overload per filter, each in its own pair of files. Tiles must not exceed tile_width x tile_height.
-[[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const CrossBilateralParams& params, const Source& source,
-                                                      int tile_width, int tile_height);
+/// What a filter is bound to. Tiles do not exceed tile_width x tile_height; when one runs, the guides of its rows and
+/// of those within the filter's halo are prepared.
+struct FilterContext {
+  const Source& source;
+  const GuideRows& guides;
+  int tile_width = 0;
+  int tile_height = 0;
+};
 
-/// The overload for the alternative that `spec` holds.
-[[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const FilterSpec& spec, const Source& source, int tile_width,
-                                                      int tile_height);
+/// One overload per filter, each in its own pair of files.
+[[nodiscard]] int halo(const CrossBilateralParams& params);
+[[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const CrossBilateralParams& params, const FilterContext& context);
+
+/// The overloads for the alternative that `spec` holds.
+[[nodiscard]] int halo(const FilterSpec& spec);
+[[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const FilterSpec& spec, const FilterContext& context);
+
+/// The features and sigmas that guide the filter, and with it the smoothing of its risk.
+[[nodiscard]] const CrossBilateralParams& guides_of(const FilterSpec& spec);
 
 }  // namespace stein

@@ -43,7 +43,7 @@ HWY_INLINE void add_batch(FloatTag d, const CrossBilateralRow& row, std::ptrdiff
                           Sums<kSumCount<kRange>>& sums) {
   const std::ptrdiff_t* taps = row.taps + batch * kTapBatch;
   FloatVec v[kSumCount<kRange>][kTapBatch];
-  guide_weights<kUsual>(d, row.guides, x, taps, v[0]);
+  guide_weights<kUsual>(d, row.guides, row.guides, x, taps, v[0]);
   for (int c = 0; c < 3; ++c) {
     for (int t = 0; t < kTapBatch; ++t) {
       const FloatVec colour = hn::LoadU(d, row.colour[c] + x + taps[t]);

@@ -17,21 +17,21 @@ struct SmoothSums {
 };
 
 template <bool kUsual>
-HWY_INLINE void smooth_batch(FloatTag d, const GuidedSmoothRow& row, std::ptrdiff_t x, int first_tap,
-                             SmoothSums& sums) {
-  const std::ptrdiff_t* taps = row.taps + first_tap;
-  FloatVec w[kTapBatch];
-  guide_weights<kUsual>(d, row.guides, x, taps, w);
+HWY_INLINE void smooth_window_row(FloatTag d, const GuidedSmoothRow& row, std::ptrdiff_t x, int r, SmoothSums& sums) {
+  const std::ptrdiff_t step = row.step;
+  const std::ptrdiff_t offsets[kWindow] = {-2 * step, -step, 0, step, 2 * step};
+  FloatVec w[kWindow];
+  guide_weights<kUsual>(d, row.centre, row.around[r], x, offsets, w);
   FloatVec total = hn::Load(d, sums.weight);
-  for (int t = 0; t < kTapBatch; ++t) {
-    w[t] = hn::Mul(w[t], hn::Set(d, row.spatial[first_tap + t]));
+  for (int t = 0; t < kWindow; ++t) {
+    w[t] = hn::Mul(w[t], hn::Set(d, row.spatial[r][t]));
     total = hn::Add(total, w[t]);
   }
   hn::Store(total, d, sums.weight);
   for (int m = 0; m < row.maps; ++m) {
-    const float* HWY_RESTRICT map = row.map[m] + x;
+    const float* HWY_RESTRICT map = row.map[r][m] + x;
     FloatVec sum = hn::Load(d, sums.map[m]);
-    for (int t = 0; t < kTapBatch; ++t) sum = hn::MulAdd(w[t], hn::LoadU(d, map + taps[t]), sum);
+    for (int t = 0; t < kWindow; ++t) sum = hn::MulAdd(w[t], hn::LoadU(d, map + offsets[t]), sum);
     hn::Store(sum, d, sums.map[m]);
   }
 }
@@ -43,7 +43,7 @@ HWY_INLINE void finish_smooth(FloatTag d, const GuidedSmoothRow& row, std::ptrdi
   const FloatVec inverse = hn::Div(one, hn::IfThenElse(has_weight, weight, one));
   for (int m = 0; m < row.maps; ++m) {
     const FloatVec mean = hn::Mul(hn::Load(d, sums.map[m]), inverse);
-    hn::StoreU(hn::IfThenElse(has_weight, mean, hn::LoadU(d, row.map[m] + x)), d, row.result[m] + x);
+    hn::StoreU(hn::IfThenElse(has_weight, mean, hn::LoadU(d, row.centre_map[m] + x)), d, row.result[m] + x);
   }
 }
 
@@ -55,13 +55,13 @@ HWY_INLINE void smooth_row(const GuidedSmoothRow& row) {
   for (std::ptrdiff_t x = 0; x < row.count; x += lanes) {
     hn::Store(hn::Zero(d), d, sums.weight);
     for (int m = 0; m < row.maps; ++m) hn::Store(hn::Zero(d), d, sums.map[m]);
-    for (int tap = 0; tap < row.tap_count; tap += kTapBatch) smooth_batch<kUsual>(d, row, x, tap, sums);
+    for (int r = 0; r < row.rows; ++r) smooth_window_row<kUsual>(d, row, x, r, sums);
     finish_smooth(d, row, x, sums);
   }
 }
 
 void GuidedSmoothRowTarget(const GuidedSmoothRow& row) {
-  if (is_usual(row.guides)) {
+  if (is_usual(row.centre)) {
     smooth_row<true>(row);
   } else {
     smooth_row<false>(row);

@@ -6,17 +6,22 @@
 namespace stein::kernels {
 
 inline constexpr int kMaxMaps = 16;
+inline constexpr int kWindow = 5;  ///< taps in x, and at most as many rows
 
-/// One row of an edge-aware weighted mean of several maps that share the weights 2^-d * spatial[tap].
+/// One row of an edge-aware weighted mean of several maps that share the weights 2^-d * spatial. The window has kWindow
+/// taps in x, `step` pixels apart, in each of `rows` rows. Rows are given by their own pointers, each to the pixel
+/// above, on or below the first target pixel; 2 * step pixels to the left of it and to the right of the last one must
+/// be readable.
 struct GuidedSmoothRow {
-  Guides guides;
-  const float* map[kMaxMaps];  ///< as the guides: the row's first target pixel, neighbours at the taps' offsets
+  Guides centre;
+  const float* centre_map[kMaxMaps];
+  Guides around[kWindow];
+  const float* map[kWindow][kMaxMaps];
+  float spatial[kWindow][kWindow];  ///< [row][tap]
+  int rows = 0;
   int maps = 0;
+  int step = 1;
   int count = 0;  ///< target pixels; rows are read and written up to the next multiple of kMaxLanes
-
-  const std::ptrdiff_t* taps = nullptr;  ///< offsets of the neighbours, the pixel itself included
-  const float* spatial = nullptr;        ///< one factor per tap
-  int tap_count = 0;                     ///< a multiple of kTapBatch
 
   float* result[kMaxMaps];  ///< out: the weighted mean; the pixel's own value where no neighbour has weight
 };

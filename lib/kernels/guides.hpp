@@ -8,11 +8,11 @@
 namespace stein::kernels {
 
 inline constexpr int kMaxLanes = 16;          ///< rows are written in blocks of at most this many floats
-inline constexpr int kTapBatch = 4;           ///< taps are handled in batches; lists of taps are padded to it
+inline constexpr int kTapBatch = 4;           ///< a bank's taps come in batches; lists of taps are padded to it
 inline constexpr int kMaxGuideChannels = 32;  ///< feature channels (and the colour's, with a range term)
 inline constexpr int kMaxGuideGroups = 16;
 
-/// The guides of one row: pointers to the row's first target pixel; a neighbour lies at a tap's offset from there.
+/// The guides of one row: pointers to the row's first target pixel.
 ///
 /// The weight of a neighbour is 2^-d with d = sum over groups of |a - b|^2 / max(va + vb, min_variance), where a and b
 /// are the scaled features of the two pixels and va, vb their per-sample variances, times the neighbour's mask.
@@ -22,6 +22,7 @@ struct Guides {
   int group_end[kMaxGuideGroups];           ///< group g owns channels [group_end[g-1], group_end[g])
   int groups = 0;
   float min_variance = 0;
+  float distance_scale = 1;     ///< factor to d
   const float* mask = nullptr;  ///< 1: a source; 0: invalid, or outside of the image
 };
 

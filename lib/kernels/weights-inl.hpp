@@ -46,61 +46,66 @@ HWY_INLINE FloatVec exp2_negative(FloatTag d, FloatVec x) {
   return hn::Mul(p, scale);
 }
 
-// Distances to a batch of kTapBatch neighbours: d = num / den, so that groups share one division.
+// Distances to a batch of neighbours: num / den, so that groups share one division.
+template <int kTaps>
 struct Distances {
-  FloatVec num[kTapBatch];
-  FloatVec den[kTapBatch];
+  FloatVec num[kTaps];
+  FloatVec den[kTaps];
 };
 
 // Adds the group's |a - b|^2 / max(va + vb, min_variance) to the distances; kFirst: there is nothing to add to yet.
-template <bool kFirst>
-HWY_INLINE void add_group(FloatTag d, const Guides& guides, int group, int first_channel, int end_channel,
-                          std::ptrdiff_t x, const std::ptrdiff_t (&at)[kTapBatch], Distances& distances) {
-  FloatVec s[kTapBatch];
+template <bool kFirst, int kTaps>
+HWY_INLINE void add_group(FloatTag d, const Guides& centre, const Guides& around, int group, int first_channel,
+                          int end_channel, std::ptrdiff_t x, const std::ptrdiff_t (&at)[kTaps],
+                          Distances<kTaps>& distances) {
+  FloatVec s[kTaps];
   for (FloatVec& sum : s) sum = hn::Zero(d);
   for (int k = first_channel; k < end_channel; ++k) {
-    const float* HWY_RESTRICT f = guides.channel[k];
-    const FloatVec a = hn::LoadU(d, f + x);
-    for (int t = 0; t < kTapBatch; ++t) {
+    const float* HWY_RESTRICT f = around.channel[k];
+    const FloatVec a = hn::LoadU(d, centre.channel[k] + x);
+    for (int t = 0; t < kTaps; ++t) {
       const FloatVec e = hn::Sub(a, hn::LoadU(d, f + at[t]));
       s[t] = hn::MulAdd(e, e, s[t]);
     }
   }
-  const float* HWY_RESTRICT variance = guides.variance[group];
-  const FloatVec va = hn::LoadU(d, variance + x);
-  const FloatVec min_variance = hn::Set(d, guides.min_variance);
-  for (int t = 0; t < kTapBatch; ++t) {
+  const float* HWY_RESTRICT variance = around.variance[group];
+  const FloatVec va = hn::LoadU(d, centre.variance[group] + x);
+  const FloatVec min_variance = hn::Set(d, centre.min_variance);
+  for (int t = 0; t < kTaps; ++t) {
     const FloatVec v = hn::Max(hn::Add(va, hn::LoadU(d, variance + at[t])), min_variance);
     distances.num[t] = kFirst ? s[t] : hn::MulAdd(s[t], distances.den[t], hn::Mul(distances.num[t], v));
     distances.den[t] = kFirst ? v : hn::Mul(distances.den[t], v);
   }
 }
 
-// w[t] = mask * 2^-d of the pixels at offsets[t] from x. kUsual: the groups are a normal (3), an albedo (3) and a depth
-// (1).
-template <bool kUsual>
-HWY_INLINE void guide_weights(FloatTag d, const Guides& guides, std::ptrdiff_t x, const std::ptrdiff_t* offsets,
-                              FloatVec (&w)[kTapBatch]) {
-  std::ptrdiff_t at[kTapBatch];
-  for (int t = 0; t < kTapBatch; ++t) at[t] = x + offsets[t];
-  FloatVec distance[kTapBatch];
+// w[t] = mask * 2^-d between the pixel x of `centre` and the pixels x + offsets[t] of `around`. kUsual: see is_usual().
+template <bool kUsual, int kTaps>
+HWY_INLINE void guide_weights(FloatTag d, const Guides& centre, const Guides& around, std::ptrdiff_t x,
+                              const std::ptrdiff_t* offsets, FloatVec (&w)[kTaps]) {
+  std::ptrdiff_t at[kTaps];
+  for (int t = 0; t < kTaps; ++t) at[t] = x + offsets[t];
+  FloatVec distance[kTaps];
   for (FloatVec& v : distance) v = hn::Zero(d);
-  Distances part;
+  Distances<kTaps> part;
   if constexpr (kUsual) {
-    add_group<true>(d, guides, 0, 0, 3, x, at, part);
-    add_group<false>(d, guides, 1, 3, 6, x, at, part);
-    add_group<false>(d, guides, 2, 6, 7, x, at, part);
-    for (int t = 0; t < kTapBatch; ++t) distance[t] = hn::Mul(part.num[t], reciprocal(d, part.den[t]));
+    add_group<true>(d, centre, around, 0, 0, 3, x, at, part);
+    add_group<false>(d, centre, around, 1, 3, 6, x, at, part);
+    add_group<false>(d, centre, around, 2, 6, 7, x, at, part);
+    for (int t = 0; t < kTaps; ++t) distance[t] = hn::Mul(part.num[t], reciprocal(d, part.den[t]));
   } else {
     int channel = 0;
-    for (int g = 0; g < guides.groups; ++g) {  // one division per group: products of many denominators could overflow
-      add_group<true>(d, guides, g, channel, guides.group_end[g], x, at, part);
-      channel = guides.group_end[g];
-      for (int t = 0; t < kTapBatch; ++t)
+    for (int g = 0; g < centre.groups; ++g) {  // one division per group: products of many denominators could overflow
+      add_group<true>(d, centre, around, g, channel, centre.group_end[g], x, at, part);
+      channel = centre.group_end[g];
+      for (int t = 0; t < kTaps; ++t) {
         distance[t] = hn::MulAdd(part.num[t], reciprocal(d, part.den[t]), distance[t]);
+      }
     }
   }
-  for (int t = 0; t < kTapBatch; ++t) w[t] = hn::Mul(exp2_negative(d, distance[t]), hn::LoadU(d, guides.mask + at[t]));
+  const FloatVec scale = hn::Set(d, centre.distance_scale);
+  for (int t = 0; t < kTaps; ++t) {
+    w[t] = hn::Mul(exp2_negative(d, hn::Mul(distance[t], scale)), hn::LoadU(d, around.mask + at[t]));
+  }
 }
 
 }  // namespace stein::kernels::HWY_NAMESPACE

@@ -22,14 +22,9 @@ constexpr float kSmoothingSigmaScale = 2.0F;
 
 constexpr float kRelativeEpsilon = 0.01F;  // of relative MSE, SBF sec. 5.2
 
-// The features that guide the filter also guide the smoothing of its risk.
-const CrossBilateralParams& guides_of(const FilterSpec& spec) {
-  return std::visit([](const auto& params) -> const CrossBilateralParams& { return params; }, spec);
-}
-
-// Total reach of all passes: the rows that windows must hold on either side.
-std::vector<int> all_halos() {
-  std::vector<int> halos;
+// Reach of the filter and of all passes: the rows that windows must hold on either side.
+std::vector<int> all_halos(const FilterSpec& filter) {
+  std::vector<int> halos = {halo(filter)};
   for (const std::vector<int>* steps : {&kRiskSteps, &kWeightSteps, &kErrorSteps}) {
     for (const int step : *steps) halos.push_back(GuidedPass::kRadius * step);
   }
@@ -44,9 +39,10 @@ Stages::Stages(const Source& source, const DenoiseParams& params, const exec::Ro
       params_(params),
       geometry_(geometry),
       result_(result),
-      filter_(prepare(params.filter, source, geometry.tile_width, geometry.tile_height)),
-      entries_(filter_->candidates() + 1),
-      ring_rows_(exec::ring_capacity(geometry, all_halos())) {
+      ring_rows_(exec::ring_capacity(geometry, all_halos(params.filter))),
+      guides_(source, guides_of(params.filter), ring_rows_),
+      filter_(prepare(params.filter, {source, guides_, geometry.tile_width, geometry.tile_height})),
+      entries_(filter_->candidates() + 1) {
   plan(slots);
 }
 
@@ -59,7 +55,9 @@ void Stages::plan(int slots) {
   candidates_ = add_ring((entries_ - 1) * CandidateRows::kPlanes);
   raw_risks_ = add_ring(entries_);
   raw_errors_ = add_ring(3);
-  list_.push_back({"filter", 0, 10.0, [this](const Rect& tile, int slot) { filter_and_risk(tile, slot); }});
+  list_.push_back({"prepare", 0, 0.5, [this](const Rect& tile, int /*slot*/) { guides_.prepare(tile); }});
+  list_.push_back(
+      {"filter", halo(params_.filter), 15.0, [this](const Rect& tile, int slot) { filter_and_risk(tile, slot); }});
   risks_ = add_passes("smooth risk", raw_risks_, PassKernel::kBox, kRiskSteps, &Stages::pick);
   if (params_.selection == Selection::kBlend) {
     weights_ = add_passes("select", risks_, PassKernel::kB3Spline, kWeightSteps, &Stages::mix);
@@ -72,19 +70,17 @@ void Stages::plan(int slots) {
 
 MapRows Stages::add_ring(int planes) {
   rings_.push_back(std::make_unique<exec::RowRing>(planes, geometry_.width, ring_rows_));
-  return {rings_.back().get(), 0, planes};
+  return {rings_.back().get(), planes};
 }
 
 MapRows Stages::add_passes(const std::string& name, MapRows maps, PassKernel kernel, const std::vector<int>& steps,
                            TileStep then) {
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    passes_.push_back(std::make_unique<GuidedPass>(source_, guides_of(params_.filter), kSmoothingSigmaScale, kernel,
-                                                   steps[i], geometry_.tile_width, geometry_.tile_height));
-    const GuidedPass* pass = passes_.back().get();
+    const GuidedPass pass{kernel, steps[i], kSmoothingSigmaScale};
     const MapRows out = add_ring(maps.count);
     const TileStep last = i + 1 == steps.size() ? then : nullptr;
-    list_.push_back({name, pass->halo(), 1.0, [this, pass, maps, out, last](const Rect& tile, int slot) {
-                       pass->run(tile, scratch_[static_cast<std::size_t>(slot)], maps, out);
+    list_.push_back({name, pass.halo(), 1.0, [this, pass, maps, out, last](const Rect& tile, int slot) {
+                       run_guided_pass(pass, guides_, geometry_.height, tile, maps, out);
                        if (last != nullptr) (this->*last)(tile, slot);
                      }});
     maps = out;

@@ -48,11 +48,11 @@ class Stages {
   const DenoiseParams& params_;
   exec::RowPipelineGeometry geometry_;
   DenoiseResult& result_;
+  int ring_rows_;
+  GuideRows guides_;
   std::unique_ptr<PreparedFilter> filter_;
   int entries_;
-  int ring_rows_ = 0;
   std::vector<std::unique_ptr<exec::RowRing>> rings_;
-  std::vector<std::unique_ptr<GuidedPass>> passes_;
   MapRows candidates_;  // F and D of the candidates
   MapRows raw_risks_;   // relative risk of the entries
   MapRows risks_;       // the same, smoothed, then the choice

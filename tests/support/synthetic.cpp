@@ -84,7 +84,9 @@ void fill_random(OwnedFrame& target, std::uint64_t seed) {
 
 BankResult run_filter(const FilterSpec& spec, const Frame& frame, int tile_width, int tile_height) {
   const Source source(frame, inspect(frame));
-  const auto filter = prepare(spec, source, tile_width, tile_height);
+  const GuideRows guides(source, guides_of(spec), frame.height);
+  guides.prepare({0, 0, frame.width, frame.height});
+  const auto filter = prepare(spec, {source, guides, tile_width, tile_height});
   const exec::RowRing ring(filter->candidates() * CandidateRows::kPlanes, frame.width, frame.height);
   const CandidateRows rows(ring);
   FilterScratch scratch;
@@ -95,7 +97,7 @@ BankResult run_filter(const FilterSpec& spec, const Frame& frame, int tile_width
     }
   }
   BankResult bank;
-  bank.halo = filter->halo();
+  bank.halo = halo(spec);
   for (int s = 0; s < filter->candidates(); ++s) {
     std::array<Plane, 3> result;
     std::array<Plane, 3> divergence;

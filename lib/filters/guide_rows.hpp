@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Loads the planes that weights are made of into a tile: the one place where features, sigmas and kernels meet.
+// The planes that weights are made of, prepared once per row and shared by the filter and the smoothing of its risk:
+// the one place where features, sigmas and kernels meet.
 #pragma once
 
 #include <algorithm>
@@ -14,34 +15,43 @@
 
 namespace stein {
 
-/// Which features guide, and how strongly; optionally the colour itself (the range term of SBF Eq. 4).
-class GuideSet {
+class GuideRows {
  public:
-  GuideSet(const Source& source, const CrossBilateralParams& params, bool with_range_term);
+  /// A window of `rows` rows. Guides are the features that `params` gives a sigma, and the colour if it has a range
+  /// term (SBF Eq. 4).
+  GuideRows(const Source& source, const CrossBilateralParams& params, int rows);
+
+  /// Fills the tile's pixels.
+  void prepare(const Rect& tile) const;
 
   /// Planes of a tile: guides first, then the mask.
   [[nodiscard]] int planes() const noexcept { return mask_plane() + 1; }
-  [[nodiscard]] int mask_plane() const noexcept { return channels_ + static_cast<int>(groups_.size()); }
-
-  /// Fills planes [0, planes()) of the tile and its halo; the mask is 0 outside of the image.
+  /// Copies planes [0, planes()) of the tile and its halo; the mask is 0 outside of the image.
   void load(const Rect& tile, exec::TilePlanes& planes) const;
 
-  /// Kernel arguments for row y of the tile.
-  [[nodiscard]] kernels::Guides row(const exec::TilePlanes& planes, int y) const;
+  /// Kernel arguments for row y of a loaded tile, range term included.
+  [[nodiscard]] kernels::Guides tile_row(const exec::TilePlanes& planes, int y) const;
+  /// Kernel arguments for pixel (x, y) of the image in place, features only; 16 pixels beyond either side of the image
+  /// may be read and have mask 0.
+  [[nodiscard]] kernels::Guides feature_row(int x, int y) const;
 
  private:
   struct Group {
     int feature = 0;  ///< index into the frame's features; -1: the colour
     int channels = 0;
-    float factor =
-        0;  ///< to the normalised feature, such that the kernel's squared distance is D^2 / (2 sigma^2) * log2(e)
+    float factor = 0;  ///< to the normalised feature, such that the kernel's distance is D^2 / (2 sigma^2) * log2(e)
   };
   void add(int feature, int channels, float sigma);
+  [[nodiscard]] int mask_plane() const noexcept { return channels_ + static_cast<int>(groups_.size()); }
+  template <class Row>
+  [[nodiscard]] kernels::Guides arguments(std::size_t groups, Row row) const;
 
   const Source& source_;
   std::vector<Group> groups_;
+  std::size_t feature_groups_ = 0;  ///< the first of groups_; the colour comes last
   int channels_ = 0;
   float min_variance_ = 0;
+  exec::RowRing ring_;
 };
 
 /// Clears planes [first, first + count) of the tile and its halo, then calls load(image_y, image_x, n, rows) for each
@@ -53,7 +63,7 @@ void load_tile(const Rect& tile, int image_width, int image_height, exec::TilePl
   const int x0 = std::max(tile.x0 - halo, 0);
   const int x1 = std::min(tile.x1 + halo, image_width);
   const int padded = (tile.width() + 15) / 16 * 16 + halo;
-  float* rows[kernels::kMaxGuideChannels];
+  float* rows[kernels::kMaxGuideChannels + kernels::kMaxGuideGroups + 1];
   for (int y = -halo; y < tile.height() + halo; ++y) {
     const int image_y = tile.y0 + y;
     const bool inside = image_y >= 0 && image_y < image_height;

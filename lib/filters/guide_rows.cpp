@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// SBF: Li, Wu, Chuang, "SURE-based Optimization for Adaptive Sampling and Reconstruction", 2012.
+#include "filters/guide_rows.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "stein/error.hpp"
+
+namespace stein {
+namespace {
+
+float feature_sigma(const CrossBilateralParams& params, const std::string& name) {
+  for (const FeatureSigma& entry : params.feature_sigmas) {
+    if (entry.name == name) return entry.sigma;
+  }
+  return params.other_feature_sigma;
+}
+
+}  // namespace
+
+GuideRows::GuideRows(const Source& source, const CrossBilateralParams& params, int rows)
+    : source_(source), min_variance_(params.min_feature_variance) {
+  const std::vector<Feature>& features = source.frame().features;
+  for (std::size_t f = 0; f < features.size(); ++f) {
+    const float sigma = feature_sigma(params, features[f].name);
+    if (sigma > 0) add(static_cast<int>(f), static_cast<int>(features[f].mean.size()), sigma);
+  }
+  feature_groups_ = groups_.size();
+  if (params.range_sigma > 0) add(-1, 3, params.range_sigma);
+  ring_ = exec::RowRing(planes(), source.frame().width, rows);
+}
+
+void GuideRows::add(int feature, int channels, float sigma) {
+  if (channels_ + channels > kernels::kMaxGuideChannels || groups_.size() == kernels::kMaxGuideGroups) {
+    throw Error(ErrorCode::kInvalidArgument, "the frame has more guiding features than the filter takes (" +
+                                                 std::to_string(kernels::kMaxGuideGroups) + " features, " +
+                                                 std::to_string(kernels::kMaxGuideChannels) +
+                                                 " channels); give those that matter less the sigma 0");
+  }
+  const double log2_e = std::numbers::log2e;
+  groups_.push_back({feature, channels, static_cast<float>(std::sqrt(log2_e / 2.0) / sigma)});
+  channels_ += channels;
+}
+
+void GuideRows::prepare(const Rect& tile) const {
+  const int n = tile.width();
+  for (int y = tile.y0; y < tile.y1; ++y) {
+    const auto row = [&](int plane) { return ring_.row(plane, y) + tile.x0; };
+    source_.mask_row(y, tile.x0, n, row(mask_plane()));
+    int channel = 0;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      const Group& group = groups_[g];
+      float* variance = row(channels_ + static_cast<int>(g));
+      float* means[4];
+      for (int k = 0; k < group.channels; ++k) means[k] = row(channel++);
+      if (group.feature >= 0) {
+        source_.feature_row(static_cast<std::size_t>(group.feature), group.factor, y, tile.x0, n, means, variance);
+        continue;
+      }
+      for (std::size_t c = 0; c < 3; ++c) {
+        source_.colour_row(c, y, tile.x0, n, means[c]);
+        for (int i = 0; i < n; ++i) means[c][i] *= group.factor;
+      }
+      std::fill_n(variance, n, 0.5F);  // the range term of Eq. 4 is not normalised: the two variances sum to 1
+    }
+  }
+}
+
+void GuideRows::load(const Rect& tile, exec::TilePlanes& planes) const {
+  const Frame& frame = source_.frame();
+  load_tile(tile, frame.width, frame.height, planes, 0, this->planes(), [&](int y, int x, int n, float* const* rows) {
+    for (int p = 0; p < this->planes(); ++p) std::copy_n(ring_.row(p, y) + x, n, rows[p]);
+  });
+}
+
+template <class Row>
+kernels::Guides GuideRows::arguments(std::size_t groups, Row row) const {
+  kernels::Guides guides;
+  int channel = 0;
+  for (std::size_t g = 0; g < groups; ++g) {
+    for (int k = 0; k < groups_[g].channels; ++k, ++channel) guides.channel[channel] = row(channel);
+    guides.group_end[g] = channel;
+    guides.variance[g] = row(channels_ + static_cast<int>(g));
+  }
+  guides.groups = static_cast<int>(groups);
+  guides.min_variance = min_variance_;
+  guides.mask = row(mask_plane());
+  return guides;
+}
+
+kernels::Guides GuideRows::tile_row(const exec::TilePlanes& planes, int y) const {
+  return arguments(groups_.size(), [&](int plane) { return planes.row(plane, y); });
+}
+
+kernels::Guides GuideRows::feature_row(int x, int y) const {
+  return arguments(feature_groups_, [&](int plane) { return ring_.row(plane, y) + x; });
+}
+
+}  // namespace stein
