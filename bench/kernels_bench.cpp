@@ -30,7 +30,7 @@ void run_bank(benchmark::State& state, const CrossBilateralParams& params) {
   constexpr int kHeight = 32;
   const BenchFrame frame(kWidth * 3, kHeight * 3);
   const Source source(frame.frame(), inspect(frame.frame()));
-  const GuideRows guides(source, params, kHeight * 3);
+  const GuideRows guides = make_guides(params, source, kHeight * 3);
   guides.prepare({0, 0, kWidth * 3, kHeight * 3});
   const auto filter = prepare(params, {source, guides, kWidth, kHeight});
   const exec::RowRing ring(filter->candidates() * CandidateRows::kPlanes, kWidth * 3, kHeight * 3);

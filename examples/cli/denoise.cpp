@@ -105,7 +105,8 @@ void run_denoise(const DenoiseOptions& options) {
   Seconds seconds;
   Stopwatch watch;
   progress->show(0);
-  const exr::LoadedFrame input = exr::read_frame(options.input, {.samples_per_pixel = options.samples});
+  const exr::LoadedFrame input = exr::read_frame(
+      options.input, {.samples_per_pixel = options.samples, .read_covariances = false});  // plain SURE knows none
   check_feature_names(options, input.frame());
   check_budget(options, input.frame());
   check_not_interrupted();

@@ -53,6 +53,8 @@ void declare(CLI::App& verb, DenoiseOptions& options) {
   verb.add_option("--strength", options.strength, "1: the reconstruction, 0: the input, between: a mix")
       ->capture_default_str();
   declare_output(verb, options);
+  verb.add_flag_callback(
+      "--no-outliers", [&options] { options.outliers = false; }, "Leave fireflies as they are");
   verb.add_flag("--strict", options.strict, "Fail on unusable values instead of repairing them");
   verb.add_option("--threads", options.threads, "Most threads to use; 0: all")->capture_default_str();
   verb.add_option("--tile", options.tile, "WIDTHxHEIGHT of a unit of work; never changes the result");
@@ -66,6 +68,7 @@ DenoiseParams denoise_params(const DenoiseOptions& options) {
   params.selection = options.selection == "argmin" ? Selection::kArgmin : Selection::kBlend;
   params.strength = options.strength;
   params.strict = options.strict;
+  params.outliers.enabled = options.outliers;
   params.execution.threads = options.threads;
   if (!options.tile.empty()) {
     const std::array<int, 2> tile = parse_tile(options.tile);

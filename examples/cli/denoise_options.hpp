@@ -27,6 +27,7 @@ struct DenoiseOptions {
   std::string tile;
   int threads = 0;
   bool strict = false;
+  bool outliers = true;
   bool quiet = false;
   exr::WriteOptions write;
 };

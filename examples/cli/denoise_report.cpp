@@ -41,6 +41,8 @@ void print_mapping(const exr::LoadedFrame& input) {
 void print_repairs(const DenoiseSummary& summary) {
   const FrameReport& counts = summary.report.frame;
   std::printf("%-9s %lld invalid pixels\n", "repaired", static_cast<long long>(counts.invalid_pixels));
+  std::printf("%-9s %lld outliers scaled down, %.2f %% of the image's energy\n", "",
+              static_cast<long long>(summary.report.outlier_pixels), 100 * summary.report.outlier_energy);
   const std::vector<Feature>& features = summary.input.frame().features;
   for (std::size_t i = 0; i < counts.bad_feature_pixels.size() && i < features.size(); ++i) {
     if (counts.bad_feature_pixels[i] > 0) {
@@ -123,6 +125,8 @@ nlohmann::ordered_json to_json(const DenoiseSummary& summary) {
           {"seconds", seconds_json(summary)},
           {"peak_memory_bytes", peak_memory_bytes()},
           {"invalid_pixels", report.frame.invalid_pixels},
+          {"outlier_pixels", report.outlier_pixels},
+          {"outlier_energy", report.outlier_energy},
           {"bad_feature_pixels", bad_features_json(summary)},
           {"mean_estimated_error", report.mean_error},
           {"mean_estimated_relative_error", report.mean_relative_error},

@@ -55,9 +55,9 @@ void set_range_sigma(FilterSpec& spec, float sigma) {
 
 void set_feature_sigmas(FilterSpec& spec, const std::vector<std::string>& texts) {
   apply("--feature-sigma", spec, [&](auto& params) {
-    if constexpr (requires { params.feature_sigmas; }) {
+    if constexpr (requires { params.guides; }) {
       for (const std::string& text : texts) {
-        set_feature_sigma(params.feature_sigmas, parse_feature_sigma(text));
+        set_feature_sigma(params.guides.feature_sigmas, parse_feature_sigma(text));
       }
       return true;
     }

@@ -19,7 +19,7 @@ namespace stein {
 /// How the candidates' estimated errors become one image.
 enum class Selection : std::uint8_t {
   kArgmin,  ///< SBF sec. 4.2: the candidate of least smoothed risk
-  kBlend,   ///< a mixture weighted by how sure the smoothed risks are
+  kBlend,   ///< that choice as weights, smoothed along edges: a mixture near the borders of two choices
 };
 
 /// Fireflies: single pixels whose brightness neither their neighbours nor their own samples support
@@ -27,7 +27,7 @@ enum class Selection : std::uint8_t {
 struct OutlierParams {
   bool enabled = true;   ///< false: every valid pixel enters the filters as it is
   float excess = 2.0F;   ///< [0..100] standard errors of the brightest neighbour by which an outlier exceeds it
-  float support = 2.0F;  ///< (0..100] own standard errors by which a pixel must exceed it to be believed
+  float support = 2.0F;  ///< [0.001..100] own standard errors by which a pixel must exceed it to be believed
 };
 
 struct DenoiseParams {
@@ -53,7 +53,7 @@ struct StageSeconds {
 struct DenoiseReport {
   FrameReport frame;
   std::int64_t outlier_pixels = 0;      ///< pixels that were scaled down before filtering
-  double outlier_energy = 0;            ///< what that removed, as a fraction of the image's sum
+  double outlier_energy = 0;            ///< what that removed from the filters' input, as a fraction of the image's sum
   std::vector<std::string> candidates;  ///< entry names; index = value of the choice plane; 0 is the unfiltered input
   std::vector<double> choice_share;     ///< fraction of pixels whose largest weight is that entry's
   std::array<double, 3> mean_error{};   ///< mean over the image of the estimated squared error, per channel
@@ -75,7 +75,8 @@ struct DenoiseResult {
 };
 
 /// Filters, estimates the risk of every candidate, selects, and derives the density. Deterministic: bit-identical for
-/// any thread count and tile size on one instruction set. Memory beyond the result: rows only, not images.
+/// any thread count and tile size on one instruction set. Memory beyond the result: windows of rows, not images
+/// (and 4 bytes per pixel while invalid pixels are filled).
 /// @throws Error kInvalidFrame, kInvalidArgument, kCancelled.
 [[nodiscard]] DenoiseResult denoise(const Frame& frame, const DenoiseParams& params = {});
 

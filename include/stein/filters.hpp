@@ -18,6 +18,19 @@ struct FeatureSigma {
   float sigma = 0;  ///< > 0; 0: the feature is not used
 };
 
+/// Which features guide a filter, and the smoothing of its risk: the feature terms of SBF Eq. 4 and 6.
+struct FeatureGuides {
+  /// sigma_f by feature name. A feature of the frame that is not listed uses `other_feature_sigma`.
+  std::vector<FeatureSigma> feature_sigmas = {{"normal", 0.8F}, {"albedo", 0.25F}, {"depth", 0.6F}, {"position", 0.0F}};
+  float other_feature_sigma = 0.6F;  ///< >= 0; 0: features that are not listed are not used
+
+  /// Lower bound of the sum of two per-sample variances in Eq. 6. [1e-6..1]
+  float min_feature_variance = 0.01F;
+
+  /// @throws Error kInvalidArgument naming `owner`, the parameter, its value and its range.
+  void check(const std::string& owner) const;
+};
+
 /// Cross-bilateral bank, SBF (Li, Wu, Chuang 2012) Eq. 4-8 and 13: one candidate per spatial scale.
 struct CrossBilateralParams {
   static constexpr std::string_view kName = "cross-bilateral";
@@ -28,12 +41,7 @@ struct CrossBilateralParams {
   /// sigma_r: range term on the colour, in units of radiance; 0: off (as in the paper's results).
   float range_sigma = 0.0F;
 
-  /// sigma_f by feature name. A feature of the frame that is not listed uses `other_feature_sigma`.
-  std::vector<FeatureSigma> feature_sigmas = {{"normal", 0.8F}, {"albedo", 0.25F}, {"depth", 0.6F}, {"position", 0.0F}};
-  float other_feature_sigma = 0.6F;  ///< >= 0; 0: features that are not listed are not used
-
-  /// Lower bound of the sum of two per-sample variances in Eq. 6. [1e-6..1]
-  float min_feature_variance = 0.01F;
+  FeatureGuides guides;
 
   void check() const;                                              ///< see stein::check
   [[nodiscard]] std::vector<std::string> candidate_names() const;  ///< without the unfiltered input

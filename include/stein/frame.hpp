@@ -55,8 +55,8 @@ struct BadValue {
 
 /// What `inspect` counted.
 struct FrameReport {
-  /// Pixels without usable colour: non-finite mean or variance (or a mean beyond 1e15), negative variance, or no
-  /// samples. They have no weight as sources and are filled from their neighbours.
+  /// Pixels without usable colour: non-finite mean or variance (or a mean beyond 1e15, a variance beyond 1e30),
+  /// negative variance, or no samples. They have no weight as sources and are filled from their neighbours.
   std::int64_t invalid_pixels = 0;
   BadValue first_invalid;  ///< in row order; meaningful if invalid_pixels > 0
   /// Per feature: pixels where the mean or variance is unusable; the feature is left out of distances of those pixels.

@@ -115,6 +115,19 @@ std::vector<std::string> CrossBilateralParams::candidate_names() const {
   return names;
 }
 
+void FeatureGuides::check(const std::string& owner) const {
+  const std::string prefix = owner + ": ";
+  std::set<std::string_view> seen;
+  for (const FeatureSigma& feature : feature_sigmas) {
+    const std::string what = prefix + "the sigma of feature '" + feature.name + "'";
+    require_not_negative(what, feature.sigma);
+    if (feature.name.empty()) out_of_range(what, to_text(feature.sigma), "given with the feature's name");
+    if (!seen.insert(feature.name).second) out_of_range(what, "listed twice", "listed once");
+  }
+  require_not_negative(prefix + "other_feature_sigma", other_feature_sigma);
+  require_in_range(prefix + "min_feature_variance", min_feature_variance, 1e-6F, 1.0F);
+}
+
 void CrossBilateralParams::check() const {
   const std::string prefix = std::string(kName) + ": ";
   if (spatial_sigmas.empty() || spatial_sigmas.size() > 8) {
@@ -129,15 +142,7 @@ void CrossBilateralParams::check() const {
     }
   }
   require_not_negative(prefix + "range_sigma", range_sigma);
-  std::set<std::string_view> seen;
-  for (const FeatureSigma& feature : feature_sigmas) {
-    const std::string what = prefix + "the sigma of feature '" + feature.name + "'";
-    require_not_negative(what, feature.sigma);
-    if (feature.name.empty()) out_of_range(what, to_text(feature.sigma), "given with the feature's name");
-    if (!seen.insert(feature.name).second) out_of_range(what, "listed twice", "listed once");
-  }
-  require_not_negative(prefix + "other_feature_sigma", other_feature_sigma);
-  require_in_range(prefix + "min_feature_variance", min_feature_variance, 1e-6F, 1.0F);
+  guides.check(std::string(kName));
 }
 
 }  // namespace stein

@@ -32,7 +32,7 @@ int band_height(const RowPipelineGeometry& geometry, int threads) {
 }
 
 int ring_capacity(const RowPipelineGeometry& geometry, const std::vector<int>& halos) {
-  return geometry.band_height + 2 * std::accumulate(halos.begin(), halos.end(), 0);
+  return std::min(geometry.band_height + 2 * std::accumulate(halos.begin(), halos.end(), 0), geometry.height);
 }
 
 std::vector<double> run_row_pipeline(const RowPipelineGeometry& geometry, const std::vector<RowStage>& stages,

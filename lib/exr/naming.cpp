@@ -15,11 +15,15 @@ bool has_rgb(const Imf::Header& header) {
   return list.findChannel("R") != nullptr && list.findChannel("G") != nullptr && list.findChannel("B") != nullptr;
 }
 
-/// Whether a part of this name is one layer of the schema, such as "albedo" or "variance".
+/// Whether a part of this name is one layer of the schema, such as "albedo", "albedo.variance" or "covariance".
 bool is_layer(const Schema& schema, const std::string& part_name) {
   if (part_name.empty()) return false;
-  const auto found = match(schema, part_name + ".R");
-  return found && (found->entry->role != Role::kFeatureMean || schema.knows_feature(found->feature));
+  const std::string below = part_name + ".";
+  const bool is_prefix = std::any_of(schema.entries.begin(), schema.entries.end(), [&](const SchemaEntry& entry) {
+    return entry.pattern.substr(0, below.size()) == below;
+  });
+  const auto found = match(schema, below + "R");
+  return is_prefix || (found && (found->entry->role != Role::kFeatureMean || schema.knows_feature(found->feature)));
 }
 
 /// A part's channels belong below its name if some of them have no layer of their own, as in a part "albedo" with R, G,

@@ -2,6 +2,8 @@
 //
 // Cross-bilateral bank. SBF: Li, Wu, Chuang, "SURE-based Optimization for Adaptive Sampling and Reconstruction", 2012.
 //
+// Where this differs from the paper: docs/filters/cross_bilateral.md.
+//
 // symbol        | here                                             | Eq.
 // w_ij          | kernels/weights-inl.hpp times ScaleTaps::spatial  | 4
 // D(f_i, f_j)   | kernels/weights-inl.hpp, guides from GuideRows    | 6
@@ -81,6 +83,10 @@ class CrossBilateral final : public PreparedFilter {
 }  // namespace
 
 int halo(const CrossBilateralParams& params) { return radius_of(params.spatial_sigmas); }
+
+GuideRows make_guides(const CrossBilateralParams& params, const Source& source, int rows) {
+  return {source, params.guides, params.range_sigma, rows};
+}
 
 std::unique_ptr<PreparedFilter> prepare(const CrossBilateralParams& params, const FilterContext& context) {
   return std::make_unique<CrossBilateral>(params, context);

@@ -11,8 +11,8 @@ std::unique_ptr<PreparedFilter> prepare(const FilterSpec& spec, const FilterCont
   return std::visit([&](const auto& params) { return prepare(params, context); }, spec);
 }
 
-const CrossBilateralParams& guides_of(const FilterSpec& spec) {
-  return std::visit([](const auto& params) -> const CrossBilateralParams& { return params; }, spec);
+GuideRows make_guides(const FilterSpec& spec, const Source& source, int rows) {
+  return std::visit([&](const auto& params) { return make_guides(params, source, rows); }, spec);
 }
 
 }  // namespace stein

@@ -74,7 +74,8 @@ struct FilterContext {
 [[nodiscard]] int halo(const FilterSpec& spec);
 [[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const FilterSpec& spec, const FilterContext& context);
 
-/// The features and sigmas that guide the filter, and with it the smoothing of its risk.
-[[nodiscard]] const CrossBilateralParams& guides_of(const FilterSpec& spec);
+/// The guides that the filter wants prepared, in a window of `rows` rows. They guide the smoothing of its risk too.
+[[nodiscard]] GuideRows make_guides(const CrossBilateralParams& params, const Source& source, int rows);
+[[nodiscard]] GuideRows make_guides(const FilterSpec& spec, const Source& source, int rows);
 
 }  // namespace stein

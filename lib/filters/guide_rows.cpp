@@ -11,24 +11,24 @@
 namespace stein {
 namespace {
 
-float feature_sigma(const CrossBilateralParams& params, const std::string& name) {
-  for (const FeatureSigma& entry : params.feature_sigmas) {
+float feature_sigma(const FeatureGuides& guides, const std::string& name) {
+  for (const FeatureSigma& entry : guides.feature_sigmas) {
     if (entry.name == name) return entry.sigma;
   }
-  return params.other_feature_sigma;
+  return guides.other_feature_sigma;
 }
 
 }  // namespace
 
-GuideRows::GuideRows(const Source& source, const CrossBilateralParams& params, int rows)
-    : source_(source), min_variance_(params.min_feature_variance) {
+GuideRows::GuideRows(const Source& source, const FeatureGuides& guides, float range_sigma, int rows)
+    : source_(source), min_variance_(guides.min_feature_variance) {
   const std::vector<Feature>& features = source.frame().features;
   for (std::size_t f = 0; f < features.size(); ++f) {
-    const float sigma = feature_sigma(params, features[f].name);
+    const float sigma = feature_sigma(guides, features[f].name);
     if (sigma > 0) add(static_cast<int>(f), static_cast<int>(features[f].mean.size()), sigma);
   }
   feature_groups_ = groups_.size();
-  if (params.range_sigma > 0) add(-1, 3, params.range_sigma);
+  if (range_sigma > 0) add(-1, 3, range_sigma);
   ring_ = exec::RowRing(planes(), source.frame().width, rows);
 }
 

@@ -17,9 +17,8 @@ namespace stein {
 
 class GuideRows {
  public:
-  /// A window of `rows` rows. Guides are the features that `params` gives a sigma, and the colour if it has a range
-  /// term (SBF Eq. 4).
-  GuideRows(const Source& source, const CrossBilateralParams& params, int rows);
+  /// A window of `rows` rows. The frame's features guide as `guides` says, and the colour if range_sigma > 0 (SBF Eq. 4).
+  GuideRows(const Source& source, const FeatureGuides& guides, float range_sigma, int rows);
 
   /// Fills the tile's pixels.
   void prepare(const Rect& tile) const;

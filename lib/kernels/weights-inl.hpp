@@ -19,13 +19,13 @@ namespace hn = hwy::HWY_NAMESPACE;
 using FloatTag = hn::CappedTag<float, kMaxLanes>;
 using FloatVec = hn::Vec<FloatTag>;
 
-// Lane type: float32. Valid range: [1e-30, 1e30]. Max error: 2 ulp.
+// Lane type: float32. Valid range: [1e-30, 1e37]. Max error: 2 ulp.
 HWY_INLINE FloatVec reciprocal(FloatTag d, FloatVec v) {
   const FloatVec r = hn::ApproximateReciprocal(v);
   return hn::Mul(r, hn::NegMulAdd(v, r, hn::Set(d, 2.0F)));  // one Newton step
 }
 
-// 2^-x. Lane type: float32. Valid range: [0, inf). Max relative error: 3e-7; exactly 1 at 0 and exactly 0 beyond 60.
+// 2^-x. Lane type: float32. Valid range: [0, inf). Max relative error: 3e-7 up to 59; exactly 1 at 0 and exactly 0 from 59.5 on.
 HWY_INLINE FloatVec exp2_negative(FloatTag d, FloatVec x) {
   const hn::RebindToUnsigned<FloatTag> du;
   constexpr float kCutOff = 60.0F;

@@ -110,7 +110,7 @@ DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {
   const std::vector<double> seconds = exec::run_row_pipeline(geometry, pipeline.list(), runner, kMainShare);
   for (std::size_t s = 0; s < seconds.size(); ++s) clock.add(pipeline.list()[s].name, seconds[s]);
 
-  clock.measure("summarise", [&] { summarise(frame, params, runner, (1.0 - kMainShare) / 2, result); });
+  clock.measure("summarise", [&] { summarise(source, params, runner, (1.0 - kMainShare) / 2, result); });
   return result;
 }
 

@@ -8,6 +8,7 @@
 
 #include "risk/sure.hpp"
 #include "select/selection.hpp"
+#include "stein/error.hpp"
 
 namespace stein {
 namespace {
@@ -40,9 +41,14 @@ Stages::Stages(const Source& source, const DenoiseParams& params, const exec::Ro
       geometry_(geometry),
       result_(result),
       ring_rows_(exec::ring_capacity(geometry, all_halos(params.filter))),
-      guides_(source, guides_of(params.filter), ring_rows_),
+      guides_(make_guides(params.filter, source, ring_rows_)),
       filter_(prepare(params.filter, {source, guides_, geometry.tile_width, geometry.tile_height})),
       entries_(filter_->candidates() + 1) {
+  if (entries_ > kMaxEntries) {
+    throw Error(ErrorCode::kInvalidArgument, "the filter has " + std::to_string(entries_ - 1) +
+                                                 " candidates; at most " + std::to_string(kMaxEntries - 1) +
+                                                 " can be chosen from");
+  }
   plan(slots);
 }
 
@@ -197,7 +203,7 @@ void Stages::finish(const Rect& tile, int slot) {
 }
 
 // SBF Eq. 9, before normalisation: S = (SURE + sigma^2) / (I^2 + eps), with the mean over the channels of the estimated
-// error and of the per-sample variance, and I the luminance of the result. Estimates below 0 count as 0.
+// error and of the per-sample variance, and I the luminance of the result. Sums below 0 count as 0.
 void Stages::density_row(const Rect& tile, int y, float* lines) {
   const int n = tile.width();
   const auto line = [&](int i) { return lines + i * geometry_.tile_width; };

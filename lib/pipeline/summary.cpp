@@ -2,6 +2,7 @@
 #include "pipeline/summary.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <sstream>
 #include <vector>
 
@@ -40,17 +41,35 @@ RowSums sums_of_row(const DenoiseResult& result, std::size_t entries, int y) {
   return sums;
 }
 
+// A pixel without usable colour knows nothing of its variance: it is worth as much as its best valid neighbour, or the
+// image's mean where there is none.
+void fill_density(const Source& source, Plane& density) {
+  std::vector<std::pair<const ReplacedPixel*, float>> fills;
+  double mean = 0;
+  for (int y = 0; y < density.height() && !source.replaced().empty(); ++y) {
+    mean += std::accumulate(density.row(y), density.row(y) + density.width(), 0.0) / density.width() / density.height();
+  }
+  for (const ReplacedPixel& pixel : source.replaced()) {
+    if (pixel.is_source) continue;
+    float best = 0;
+    float mask[3] = {};
+    for (int y = std::max(pixel.y - 1, 0); y <= std::min(pixel.y + 1, density.height() - 1); ++y) {
+      const int x0 = std::max(pixel.x - 1, 0);
+      const int count = std::min(pixel.x + 1, density.width() - 1) - x0 + 1;
+      source.mask_row(y, x0, count, mask);
+      for (int i = 0; i < count; ++i) best = mask[i] != 0.0F ? std::max(best, density.row(y)[x0 + i]) : best;
+    }
+    fills.emplace_back(&pixel, best > 0.0F ? best : static_cast<float>(mean));
+  }
+  for (const auto& [pixel, value] : fills) density.row(pixel->y)[pixel->x] = value;
+}
+
 void scale_density(Plane& density, double sum, exec::Runner& runner) {
   const double pixels = static_cast<double>(density.width()) * density.height();
   runner.for_each(density.height(), 0.0, [&](int y, int) {
     float* row = density.row(y);
     for (int x = 0; x < density.width(); ++x) row[x] = sum > 0 ? static_cast<float>(row[x] * (pixels / sum)) : 1.0F;
   });
-}
-
-bool has_all_covariances(const Frame& frame) {
-  return frame.colour_covariance[0] && std::all_of(frame.features.begin(), frame.features.end(),
-                                                   [](const Feature& f) { return !f.colour_covariance.empty(); });
 }
 
 template <class... Parts>
@@ -82,19 +101,18 @@ void add_warnings(const Frame& frame, DenoiseReport& report) {
          "was given");
   }
   if (frame.features.empty()) warn(report, "there are no features; edges are not protected");
-  if (!frame.features.empty()) {
-    warn(report,
-         has_all_covariances(frame) ? "covariances of colour and features are present but not used by plain SURE"
-                                    : "no covariances of colour and features",
-         "; where both are noisy the estimated error is too low");
+  if (std::any_of(frame.features.begin(), frame.features.end(), [](const Feature& f) { return !f.variance.empty(); })) {
+    warn(report, "the risk is plain SURE: where colour and features are noisy together the estimated error is too low");
   }
 }
 
 }  // namespace
 
-void summarise(const Frame& frame, const DenoiseParams& params, exec::Runner& runner, double progress_weight,
+void summarise(const Source& source, const DenoiseParams& params, exec::Runner& runner, double progress_weight,
                DenoiseResult& result) {
+  const Frame& frame = source.frame();
   DenoiseReport& report = result.report;
+  fill_density(source, result.density);
   report.candidates = candidate_names(params.filter);
   report.risk = "SURE";
   report.instruction_set = kernels::instruction_set();

@@ -2,12 +2,13 @@
 #pragma once
 
 #include "exec/runner.hpp"
+#include "prefilter/source.hpp"
 #include "stein/denoise.hpp"
 
 namespace stein {
 
 /// Figures of the whole image for the report, warnings, and the density scaled to a mean of 1.
-void summarise(const Frame& frame, const DenoiseParams& params, exec::Runner& runner, double progress_weight,
+void summarise(const Source& source, const DenoiseParams& params, exec::Runner& runner, double progress_weight,
                DenoiseResult& result);
 
 }  // namespace stein

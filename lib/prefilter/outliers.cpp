@@ -58,8 +58,11 @@ OutlierReport outliers_of_row(const Source& source, const OutlierParams& params,
   OutlierReport report;
   for (std::size_t x = 1; x + 1 < here.mean.size(); ++x) {
     const float mean = here.mean[x];
-    // Most pixels leave here: two neighbours at hand that are at least as bright.
-    if (here.valid[x] == 0.0F || mean <= 0.0F || mean <= here.mean[x - 1] || mean <= here.mean[x + 1]) continue;
+    if (here.valid[x] == 0.0F || mean <= 0.0F) continue;
+    // Most pixels leave here: a neighbour at hand that is at least as bright.
+    if ((here.valid[x - 1] != 0.0F && mean <= here.mean[x - 1]) ||
+        (here.valid[x + 1] != 0.0F && mean <= here.mean[x + 1]))
+      continue;
     const Neighbour neighbour = brightest_neighbour(rows, x);
     const float excess = mean - neighbour.mean;
     if (!neighbour.found || excess <= params.excess * neighbour.error || excess >= params.support * here.error[x])

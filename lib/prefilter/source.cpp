@@ -16,11 +16,12 @@ constexpr float kNoInformation = 1e10F;
 // Scaled features are clipped to this: the square of their difference stays finite, and far below kNoInformation.
 constexpr float kLargest = 1e4F;
 
-// Values at up to 2^16 pixels spread evenly over the plane, finite ones only. Even odd-sized steps: no column is
-// preferred.
+// Values at some 2^16 pixels spread evenly over the plane, finite ones only. The step has no factor in common with the
+// width, so that all columns take part.
 std::vector<float> sample_plane(const ConstPlaneView& plane) {
   const std::int64_t pixels = static_cast<std::int64_t>(plane.width()) * plane.height();
-  const std::int64_t step = (pixels / 65536) | 1;
+  std::int64_t step = pixels / 65536 + 1;
+  while (std::gcd(step, static_cast<std::int64_t>(plane.width())) != 1) ++step;
   std::vector<float> values;
   values.reserve(static_cast<std::size_t>(pixels / step + 1));
   for (std::int64_t i = 0; i < pixels; i += step) {

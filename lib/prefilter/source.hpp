@@ -40,12 +40,13 @@ class Source {
   void replace(const std::vector<ReplacedPixel>& pixels);
 
   [[nodiscard]] const Frame& frame() const noexcept { return frame_; }
+  [[nodiscard]] const std::vector<ReplacedPixel>& replaced() const noexcept { return replaced_; }  ///< in row order
   [[nodiscard]] float feature_scale(std::size_t feature) const noexcept { return feature_scales_[feature]; }
 
   /// Colour mean as the filters are to see it.
   void colour_row(std::size_t channel, int y, int x, int count, float* out) const;
   /// Variance of the mean that the filtered colour's own dependence on the pixel has to be weighted with: 0 at replaced
-  /// pixels, whose value no longer depends on their samples.
+  /// pixels, whose brightness no longer depends on their samples.
   void variance_row(std::size_t channel, int y, int x, int count, float* out) const;
   /// The frame's own colour mean and variance of the mean, for the risk; at invalid pixels the fill and 0.
   void input_row(std::size_t channel, int y, int x, int count, float* mean, float* variance) const;

@@ -82,11 +82,11 @@ TEST_CASE("The ends of each range are allowed") {
   using Params = CrossBilateralParams;
   CHECK(refusal_after([](Params& p) { p.spatial_sigmas = {0.5F, 16.0F}; }).empty());
   CHECK(refusal_after([](Params& p) { p.spatial_sigmas = {1, 2, 3, 4, 5, 6, 7, 8}; }).empty());
-  CHECK(refusal_after([](Params& p) { p.min_feature_variance = 1e-6F; }).empty());
-  CHECK(refusal_after([](Params& p) { p.min_feature_variance = 1.0F; }).empty());
-  CHECK(refusal_after([](Params& p) { p.other_feature_sigma = 0; }).empty());
+  CHECK(refusal_after([](Params& p) { p.guides.min_feature_variance = 1e-6F; }).empty());
+  CHECK(refusal_after([](Params& p) { p.guides.min_feature_variance = 1.0F; }).empty());
+  CHECK(refusal_after([](Params& p) { p.guides.other_feature_sigma = 0; }).empty());
   CHECK(refusal_after([](Params& p) { p.range_sigma = 1e9F; }).empty());
-  CHECK(refusal_after([](Params& p) { p.feature_sigmas.clear(); }).empty());
+  CHECK(refusal_after([](Params& p) { p.guides.feature_sigmas.clear(); }).empty());
 }
 
 TEST_CASE("A value out of range is refused with parameter, value and range") {
@@ -116,22 +116,22 @@ TEST_CASE("A value out of range is refused with parameter, value and range") {
        "number of spatial_sigmas is 9"},
       {refusal_after([](Params& p) { p.range_sigma = -0.5F; }), "range_sigma is -0.5, must be finite and >= 0"},
       {refusal_after([=](Params& p) { p.range_sigma = inf; }), "range_sigma is inf"},
-      {refusal_after([](Params& p) { p.other_feature_sigma = -1; }), "other_feature_sigma is -1"},
+      {refusal_after([](Params& p) { p.guides.other_feature_sigma = -1; }), "other_feature_sigma is -1"},
       {refusal_after([](Params& p) {
-         p.feature_sigmas = {{"depth", NAN}};
+         p.guides.feature_sigmas = {{"depth", NAN}};
        }),
        "the sigma of feature 'depth' is nan"},
       {refusal_after([](Params& p) {
-         p.feature_sigmas = {{"", 1}};
+         p.guides.feature_sigmas = {{"", 1}};
        }),
        "name"},
       {refusal_after([](Params& p) {
-         p.feature_sigmas = {{"depth", 1}, {"depth", 2}};
+         p.guides.feature_sigmas = {{"depth", 1}, {"depth", 2}};
        }),
        "'depth' is listed twice"},
-      {refusal_after([](Params& p) { p.min_feature_variance = 0.9e-6F; }),
+      {refusal_after([](Params& p) { p.guides.min_feature_variance = 0.9e-6F; }),
        "min_feature_variance is 9e-07, must be in [1e-06..1]"},
-      {refusal_after([](Params& p) { p.min_feature_variance = 1.01F; }), "min_feature_variance is 1.01"},
+      {refusal_after([](Params& p) { p.guides.min_feature_variance = 1.01F; }), "min_feature_variance is 1.01"},
   };
   for (const auto& [message, part] : messages) {
     CAPTURE(message, part);

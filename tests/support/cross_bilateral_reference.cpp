@@ -18,8 +18,8 @@ double feature_distance(const CrossBilateralParams& params, const Source& source
   double sum = 0;
   const std::vector<Feature>& features = source.frame().features;
   for (std::size_t f = 0; f < features.size(); ++f) {
-    double sigma = params.other_feature_sigma;
-    for (const FeatureSigma& entry : params.feature_sigmas)
+    double sigma = params.guides.other_feature_sigma;
+    for (const FeatureSigma& entry : params.guides.feature_sigmas)
       sigma = entry.name == features[f].name ? entry.sigma : sigma;
     float valid_i = 0;
     float valid_j = 0;
@@ -43,7 +43,7 @@ double feature_distance(const CrossBilateralParams& params, const Source& source
                    static_cast<double>(features[f].variance[k].at(xj, yj)) * nj);
     }
     variance /= static_cast<double>(features[f].mean.size());
-    sum += squared / std::max<double>(variance, params.min_feature_variance) / (2.0 * sigma * sigma);
+    sum += squared / std::max<double>(variance, params.guides.min_feature_variance) / (2.0 * sigma * sigma);
   }
   return sum;
 }

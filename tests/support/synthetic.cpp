@@ -84,7 +84,7 @@ void fill_random(OwnedFrame& target, std::uint64_t seed) {
 
 BankResult run_filter(const FilterSpec& spec, const Frame& frame, int tile_width, int tile_height) {
   const Source source(frame, inspect(frame));
-  const GuideRows guides(source, guides_of(spec), frame.height);
+  const GuideRows guides = make_guides(spec, source, frame.height);
   guides.prepare({0, 0, frame.width, frame.height});
   const auto filter = prepare(spec, {source, guides, tile_width, tile_height});
   const exec::RowRing ring(filter->candidates() * CandidateRows::kPlanes, frame.width, frame.height);
