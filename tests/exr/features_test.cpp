@@ -13,7 +13,6 @@ using fixture::holds;
 using fixture::layer;
 using fixture::TemporaryFolder;
 using fixture::write_file;
-using fixture::operator+;
 using stein::ErrorCode;
 using stein::Frame;
 using stein::exr::LoadedFrame;
@@ -137,6 +136,16 @@ TEST_CASE("covariances") {
     CHECK(holds(frame.features[1].colour_covariance[2], "covariance.B.depth.Z"));
     CHECK_FALSE(says(loaded, "covariance"));
     CHECK(role(loaded, "covariance.G.albedo.B") == "feature albedo, covariance of the mean with the colour");
+  }
+  SECTION("in a part of their own") {
+    write_file(path, {{"main", base},
+                      {"covariance", layer("R", "GB", Imf::HALF) + layer("G", "B", Imf::HALF) +
+                                         layer("R.depth", "Z", Imf::HALF) + layer("G.depth", "Z", Imf::HALF) +
+                                         layer("B.depth", "Z", Imf::HALF)}});
+    const LoadedFrame loaded = read_frame(path);
+    CHECK(holds(loaded.frame().colour_covariance[1], "R.B"));
+    REQUIRE(loaded.frame().features[1].colour_covariance.size() == 3);
+    CHECK(holds(loaded.frame().features[1].colour_covariance[1], "G.depth.Z"));
   }
   SECTION("not asked for") {
     write_file(path, {{"", base + colour + covariances("albedo", "RGB") + covariances("depth", "Z")}});

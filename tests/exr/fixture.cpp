@@ -194,8 +194,8 @@ RawChannel read_raw(const std::string& path, int part, const std::string& channe
   Imf::MultiPartInputFile file(path.c_str());
   const Imf::Header& header = file.header(part);
   const Imath::Box2i window = header.dataWindow();
-  const auto width = static_cast<std::size_t>(window.max.x - window.min.x + 1);
-  const auto height = static_cast<std::size_t>(window.max.y - window.min.y + 1);
+  const auto width = static_cast<std::size_t>(std::int64_t{window.max.x} - window.min.x + 1);
+  const auto height = static_cast<std::size_t>(std::int64_t{window.max.y} - window.min.y + 1);
   RawChannel raw{header.channels()[channel].type, {}};
   if (Imf::isDeepData(header.type())) {
     Imf::DeepScanLineInputPart input(file, part);

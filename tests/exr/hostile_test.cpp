@@ -15,7 +15,6 @@
 
 using fixture::bytes_of;
 using fixture::colour_channels;
-using fixture::holds;
 using fixture::layer;
 using fixture::native_channels;
 using fixture::PartSpec;
@@ -24,7 +23,6 @@ using fixture::Storage;
 using fixture::TemporaryFolder;
 using fixture::write_bytes;
 using fixture::write_file;
-using fixture::operator+;
 using stein::Error;
 using stein::ErrorCode;
 using stein::exr::LoadedFrame;
@@ -88,7 +86,7 @@ TEST_CASE("a file that was not written to its end names its missing rows") {
   const TemporaryFolder folder;
   {
     Imf::Header header(40, 64);
-    const std::vector<float> plane(40 * 64);
+    const std::vector<float> plane(std::size_t{40} * 64);
     Imf::FrameBuffer buffer;
     for (const auto& channel : colour_channels()) {
       header.channels().insert(channel.name, Imf::Channel(Imf::FLOAT));
@@ -129,10 +127,10 @@ TEST_CASE("headers that promise more than the file holds are refused before memo
       put(bytes, at + 12, bottom);
       write_bytes(path, bytes);
       INFO(right << " " << bottom);
-      // With more rows or tiles the table of chunks is too short already.
-      const bool same_chunks = storage == Storage::kScanlines && bottom == 20;
-      expect_error(ErrorCode::kIo, {path, same_chunks ? "data window" : "cannot read"},
-                   [&] { (void)read_frame(path); });
+      // With more rows or tiles the table of chunks is too short already, and OpenEXR refuses widths near 2^31 itself.
+      const bool same_chunks = storage == Storage::kScanlines && bottom == 20 && right > 0 && right < 2'000'000'000;
+      const char* why = right > 1 << 20 ? "larger than any image" : "cannot fit in its";
+      expect_error(ErrorCode::kIo, {path, same_chunks ? why : "cannot read"}, [&] { (void)read_frame(path); });
     }
   }
   SECTION("attribute") {

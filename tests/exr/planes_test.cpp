@@ -13,7 +13,6 @@ using fixture::layer;
 using fixture::Storage;
 using fixture::TemporaryFolder;
 using fixture::write_file;
-using fixture::operator+;
 using stein::ConstPlaneView;
 using stein::ErrorCode;
 using stein::ScalarType;

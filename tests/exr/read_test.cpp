@@ -19,8 +19,6 @@ using fixture::PartSpec;
 using fixture::Storage;
 using fixture::TemporaryFolder;
 using fixture::write_file;
-using fixture::operator+;
-using stein::Error;
 using stein::ErrorCode;
 using stein::Frame;
 using stein::ScalarType;
@@ -29,7 +27,7 @@ using stein::exr::read_frame;
 
 namespace {
 
-void check_native(const Frame& frame) {
+void check_colour(const Frame& frame) {
   REQUIRE(frame.width == 23);
   REQUIRE(frame.height == 13);
   for (std::size_t c = 0; c < 3; ++c) {
@@ -38,6 +36,10 @@ void check_native(const Frame& frame) {
     CHECK(holds(frame.colour_variance[c], "variance." + name));
   }
   CHECK(holds(frame.sample_count, "sampleCount"));
+}
+
+void check_native(const Frame& frame) {
+  check_colour(frame);
   REQUIRE(frame.features.size() == 3);
   CHECK(frame.features[0].name == "albedo");
   CHECK(frame.features[1].name == "normal");

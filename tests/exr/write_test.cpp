@@ -20,7 +20,6 @@ using fixture::channel_names;
 using fixture::ChannelSpec;
 using fixture::colour_channels;
 using fixture::header_of;
-using fixture::holds;
 using fixture::layer;
 using fixture::native_channels;
 using fixture::PartSpec;
@@ -30,7 +29,6 @@ using fixture::Storage;
 using fixture::TemporaryFolder;
 using fixture::write_bytes;
 using fixture::write_file;
-using fixture::operator+;
 using stein::DenoiseResult;
 using stein::ErrorCode;
 using stein::Plane;
@@ -210,7 +208,7 @@ TEST_CASE("options choose what is written") {
     }
   }
   SECTION("sample counts") {
-    std::vector<std::uint32_t> samples(23 * 13);
+    std::vector<std::uint32_t> samples(std::size_t{23} * 13);
     for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = static_cast<std::uint32_t>(i * 1'000'003);
     write_result(out, source, result, {.samples = &samples});
     const auto raw = read_raw(out, 0, "density.samples");

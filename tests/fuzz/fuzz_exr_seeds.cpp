@@ -12,7 +12,6 @@ using fixture::colour_channels;
 using fixture::layer;
 using fixture::native_channels;
 using fixture::Storage;
-using fixture::operator+;
 
 namespace {
 
