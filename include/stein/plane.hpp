@@ -70,9 +70,8 @@ class PlaneView {
       : view_(data, width, height, pixel_stride, row_stride), data_(reinterpret_cast<std::byte*>(data)) {}
 
   [[nodiscard]] constexpr explicit operator bool() const noexcept { return static_cast<bool>(view_); }
-  constexpr operator ConstPlaneView() const noexcept {
-    return view_;
-  }  // NOLINT(google-explicit-constructor): a view narrows freely
+  // NOLINTNEXTLINE(google-explicit-constructor): a view narrows freely
+  constexpr operator ConstPlaneView() const noexcept { return view_; }
   [[nodiscard]] constexpr int width() const noexcept { return view_.width(); }
   [[nodiscard]] constexpr int height() const noexcept { return view_.height(); }
 

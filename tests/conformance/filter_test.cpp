@@ -49,6 +49,53 @@ std::vector<FilterSpec> specs() {
   return all;
 }
 
+// The half float next to `value`, towards 0: bits, and the value they stand for. |value| in [0, 65504].
+std::uint16_t half_bits(float value) {
+  int exponent = 0;
+  (void)std::frexp(value, &exponent);
+  exponent = std::max(exponent, -13);
+  const int significand = static_cast<int>(std::ldexp(std::abs(value), 11 - exponent));
+  return static_cast<std::uint16_t>(((exponent + 13) << 10) + significand + (std::signbit(value) ? 0x8000 : 0));
+}
+float round_to_half(float value) {
+  int exponent = 0;
+  (void)std::frexp(value, &exponent);
+  exponent = std::max(exponent, -13);
+  return static_cast<float>(std::ldexp(std::trunc(std::ldexp(value, 11 - exponent)), exponent - 11));
+}
+
+// Every plane of the frame that filters read.
+std::vector<ConstPlaneView*> all_planes(Frame& frame) {
+  std::vector<ConstPlaneView*> planes = {&frame.sample_count};
+  for (std::size_t c = 0; c < 3; ++c) {
+    planes.push_back(&frame.colour[c]);
+    planes.push_back(&frame.colour_variance[c]);
+  }
+  for (Feature& feature : frame.features) {
+    for (ConstPlaneView& plane : feature.mean) planes.push_back(&plane);
+    for (ConstPlaneView& plane : feature.variance) planes.push_back(&plane);
+  }
+  return planes;
+}
+
+// Makes all planes views of half floats in `memory`: interleaved, or one after the other without gaps. The values must
+// be half floats already.
+void hold_as_half(Frame& frame, bool is_interleaved, std::vector<std::uint16_t>& memory) {
+  const std::vector<ConstPlaneView*> planes = all_planes(frame);
+  const auto pixels = static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height);
+  memory.resize(planes.size() * pixels);
+  const std::size_t step = is_interleaved ? planes.size() : 1;
+  for (std::size_t p = 0; p < planes.size(); ++p) {
+    const std::size_t first = is_interleaved ? p : p * pixels;
+    for (std::size_t i = 0; i < pixels; ++i) {
+      const int x = static_cast<int>(i) % frame.width;
+      memory[first + i * step] = half_bits(planes[p]->at(x, static_cast<int>(i) / frame.width));
+    }
+    *planes[p] = ConstPlaneView(&memory[first], ScalarType::kFloat16, frame.width, frame.height,
+                                static_cast<std::ptrdiff_t>(2 * step));
+  }
+}
+
 }  // namespace
 
 TEST_CASE("every filter: a constant image comes back unchanged") {
@@ -146,7 +193,19 @@ TEST_CASE("every filter: half, interleaved and negatively strided input gives th
   for (const FilterSpec& spec : specs()) {
     OwnedFrame frame(35, 18, kUsualFeatures);
     fill_random(frame, 25);
+    for (const std::string& name : frame.names()) {
+      for (int y = 0; y < 18; ++y) {
+        for (int x = 0; x < 35; ++x) frame.at(name, x, y) = round_to_half(frame.at(name, x, y));
+      }
+    }
     const BankResult packed = run_filter(spec, frame.frame());
+    for (const bool is_interleaved : {false, true}) {
+      Frame half = frame.frame();
+      std::vector<std::uint16_t> memory;
+      hold_as_half(half, is_interleaved, memory);
+      REQUIRE(half.colour[1].at(34, 17) == frame.at("G", 34, 17));
+      CHECK(identical(packed, run_filter(spec, half)));
+    }
     std::vector<float> interleaved(35U * 18U * 3U);
     for (int y = 0; y < 18; ++y) {
       for (int x = 0; x < 35; ++x) {
