@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernels/convert.hpp"
 
+#include <cstdint>
 #include <cstring>
 
 #include "kernels/guides.hpp"
@@ -14,19 +15,35 @@ HWY_BEFORE_NAMESPACE();
 namespace stein::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+using FloatTag = hn::CappedTag<float, kMaxLanes>;
+
+// Not Highway's own conversion: where it is emulated it turns infinities and NaNs into numbers (Highway 1.0.3). The
+// exponent is moved by a multiplication, which also normalises denormals; infinities and NaNs get the exponent that it
+// cannot reach.
+HWY_INLINE hn::Vec<FloatTag> from_half(FloatTag d, const std::uint16_t* half) {
+  const hn::RebindToUnsigned<FloatTag> du;
+  const hn::Rebind<std::uint16_t, FloatTag> dh;
+  const auto bits = hn::PromoteTo(du, hn::Load(dh, half));
+  const auto magnitude = hn::ShiftLeft<13>(hn::And(bits, hn::Set(du, 0x7FFFU)));
+  const auto sign = hn::ShiftLeft<16>(hn::And(bits, hn::Set(du, 0x8000U)));
+  const auto exponent = hn::Set(du, 0x7C00U);
+  const auto special = hn::IfThenElseZero(hn::Eq(hn::And(bits, exponent), exponent), hn::Set(du, 0x7F800000U));
+  const auto scaled = hn::Mul(hn::BitCast(d, magnitude), hn::Set(d, 0x1p112F));
+  return hn::BitCast(d, hn::Or(hn::BitCast(du, scaled), hn::Or(special, sign)));
+}
+
 void HalfToFloatRowTarget(const std::byte* half, int count, float* out) {
-  const hn::CappedTag<float, kMaxLanes> d;
-  const hn::Rebind<hwy::float16_t, decltype(d)> dh;
+  const FloatTag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  HWY_ALIGN hwy::float16_t in[kMaxLanes] = {};
+  HWY_ALIGN std::uint16_t in[kMaxLanes] = {};
   HWY_ALIGN float converted[kMaxLanes];
   for (int i = 0; i < count; i += lanes) {
     const int n = HWY_MIN(lanes, count - i);
     std::memcpy(in, half + 2 * static_cast<std::ptrdiff_t>(i), 2 * static_cast<std::size_t>(n));
     if (n == lanes) {
-      hn::StoreU(hn::PromoteTo(d, hn::Load(dh, in)), d, out + i);
+      hn::StoreU(from_half(d, in), d, out + i);
     } else {
-      hn::Store(hn::PromoteTo(d, hn::Load(dh, in)), d, converted);
+      hn::Store(from_half(d, in), d, converted);
       std::memcpy(out + i, converted, sizeof(float) * static_cast<std::size_t>(n));
     }
   }

@@ -15,6 +15,7 @@ constexpr int kChunk = 512;
 constexpr float kNoInformation = 1e10F;
 // Scaled features are clipped to this: the square of their difference stays finite, and far below kNoInformation.
 constexpr float kLargest = 1e4F;
+constexpr float kMostSamples = 1e9F;
 
 // Values at some 2^16 pixels spread evenly over the plane, finite ones only. The step has no factor in common with the
 // width, so that all columns take part.
@@ -124,6 +125,7 @@ void Source::feature_row(std::size_t feature, float factor, int y, int x, int co
   for (int start = 0; start < count && !source.variance.empty(); start += kChunk) {
     const int part = std::min(kChunk, count - start);
     sample_count_row(frame_, y, x + start, part, n);
+    for (int i = 0; i < part; ++i) n[i] = n[i] > 0.0F ? std::min(n[i], kMostSamples) : 0.0F;  // 0 where it is no number
     for (const ConstPlaneView& plane : source.variance) {
       plane.read_row(y, x + start, part, v);
       // Eq. 6 of SBF speaks of the samples' variance, the frame holds that of the mean.

@@ -206,18 +206,19 @@ TEST_CASE("every filter: half, interleaved and negatively strided input gives th
       REQUIRE(half.colour[1].at(34, 17) == frame.at("G", 34, 17));
       CHECK(identical(packed, run_filter(spec, half)));
     }
-    std::vector<float> interleaved(35U * 18U * 3U);
+    constexpr std::size_t kRowFloats = std::size_t{35} * 3;
+    std::vector<float> interleaved(kRowFloats * 18);
     for (int y = 0; y < 18; ++y) {
       for (int x = 0; x < 35; ++x) {
         for (std::size_t c = 0; c < 3; ++c) {
-          interleaved[(static_cast<std::size_t>(17 - y) * 35 + static_cast<std::size_t>(x)) * 3 + c] =
+          interleaved[static_cast<std::size_t>(17 - y) * kRowFloats + static_cast<std::size_t>(x) * 3 + c] =
               frame.frame().colour[c].at(x, y);
         }
       }
     }
-    constexpr std::ptrdiff_t kRow = 35 * 3 * 4;
+    constexpr std::ptrdiff_t kRow = sizeof(float) * kRowFloats;
     for (std::size_t c = 0; c < 3; ++c)
-      frame.frame().colour[c] = ConstPlaneView(interleaved.data() + 17 * 35 * 3 + c, 35, 18, 12, -kRow);
+      frame.frame().colour[c] = ConstPlaneView(interleaved.data() + 17 * kRowFloats + c, 35, 18, 12, -kRow);
     CHECK(identical(packed, run_filter(spec, frame.frame())));
   }
 }

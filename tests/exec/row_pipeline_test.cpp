@@ -62,7 +62,9 @@ class Stamps {
     for (int y = tile.y0; y < tile.y1; ++y) {
       std::fill_n(ring_.row(stage, y) + tile.x0, tile.width(), static_cast<float>(y));
       for (int x = tile.x0; x < tile.x1; ++x) {
-        ++runs_[static_cast<std::size_t>((stage * geometry_.height + y) * geometry_.width + x)];
+        const int row = stage * geometry_.height + y;
+        const int pixel = row * geometry_.width + x;
+        ++runs_[static_cast<std::size_t>(pixel)];
       }
     }
   }

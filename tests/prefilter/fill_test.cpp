@@ -17,7 +17,8 @@ constexpr std::array<const char*, 3> kRgb = {"R", "G", "B"};
 // The fill as its description reads: whole images, one ring of the hole after the other.
 std::vector<std::array<double, 3>> plain_fill(const Frame& frame) {
   const auto size = static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height);
-  const auto index = [&](int x, int y) { return static_cast<std::size_t>(y * frame.width + x); };
+  const auto width = static_cast<std::size_t>(frame.width);
+  const auto index = [&](int x, int y) { return static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x); };
   std::vector<std::array<double, 3>> image(size);
   std::vector<float> known(size);
   std::size_t unknown = 0;
@@ -141,7 +142,9 @@ TEST_CASE("fill: a symmetric hole in a symmetric image is filled symmetrically")
   REQUIRE(filled.size() == 49);
   for (int y = 0; y < 7; ++y) {
     for (int x = 0; x < 7; ++x) {
-      const auto at = [&](int px, int py) { return filled[static_cast<std::size_t>(py * 7 + px)].colour[0]; };
+      const auto at = [&](int px, int py) {
+        return filled[static_cast<std::size_t>(py) * 7 + static_cast<std::size_t>(px)].colour[0];
+      };
       CHECK(at(6 - x, y) == Approx(at(x, y)).epsilon(1e-6));
       CHECK(at(x, 6 - y) == Approx(at(x, y)).epsilon(1e-6));
       CHECK(at(y, x) == Approx(at(x, y)).epsilon(1e-6));
