@@ -105,6 +105,9 @@ class Plane {
 
  private:
   struct Free {
+    void* block;  // what was allocated; the plane starts at its first aligned address
+    Free() noexcept : block(nullptr) {}
+    explicit Free(void* allocated) noexcept : block(allocated) {}
     void operator()(float* p) const noexcept;
   };
   std::unique_ptr<float, Free> data_;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stein/plane.hpp"
 
-#include <algorithm>
 #include <bit>
+#include <cstdlib>
 #include <cstring>
-#include <new>
 
+#include "core/aligned_zeros.hpp"
 #include "kernels/convert.hpp"
 
 namespace stein {
@@ -72,11 +72,10 @@ Plane::Plane(int width, int height) : width_(width), height_(height) {
   // An odd number of cache lines a row: rows and planes do not all start in the same cache set.
   const std::ptrdiff_t lines = (static_cast<std::ptrdiff_t>(width) + kFloatsPerLine - 1) / kFloatsPerLine;
   pitch_ = (lines | 1) * kFloatsPerLine;
-  const std::size_t count = static_cast<std::size_t>(pitch_) * static_cast<std::size_t>(height);
-  data_.reset(static_cast<float*>(::operator new (count * sizeof(float), std::align_val_t{kAlignment})));
-  std::fill_n(data_.get(), count, 0.0F);
+  const AlignedZeros zeros(static_cast<std::size_t>(pitch_) * static_cast<std::size_t>(height));
+  data_ = std::unique_ptr<float, Free>(zeros.data, Free(zeros.raw));
 }
 
-void Plane::Free::operator()(float* p) const noexcept { ::operator delete (p, std::align_val_t{kAlignment}); }
+void Plane::Free::operator()(float* /*p*/) const noexcept { std::free(block); }
 
 }  // namespace stein

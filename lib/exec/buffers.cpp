@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "exec/buffers.hpp"
 
-#include <algorithm>
+#include "core/aligned_zeros.hpp"
 
 namespace stein::exec {
 namespace {
@@ -22,8 +22,8 @@ std::ptrdiff_t staggered(std::ptrdiff_t floats) { return round_up(floats - kStag
 
 float* FloatBuffer::reserve(std::size_t count) {
   if (count > size_) {
-    data_.reset(static_cast<float*>(::operator new (count * sizeof(float), std::align_val_t{64})));
-    std::fill_n(data_.get(), count, 0.0F);
+    const AlignedZeros zeros(count);
+    data_ = std::unique_ptr<float, Free>(zeros.data, Free(zeros.raw));
     size_ = count;
   }
   return data_.get();

@@ -4,8 +4,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdlib>
 #include <memory>
-#include <new>
 
 namespace stein::exec {
 
@@ -19,7 +19,10 @@ class FloatBuffer {
 
  private:
   struct Free {
-    void operator()(float* p) const noexcept { ::operator delete (p, std::align_val_t{64}); }
+    void* block;  // what was allocated; the data start at its first aligned address
+    Free() noexcept : block(nullptr) {}
+    explicit Free(void* allocated) noexcept : block(allocated) {}
+    void operator()(float* /*p*/) const noexcept { std::free(block); }
   };
   std::unique_ptr<float, Free> data_;
   std::size_t size_ = 0;

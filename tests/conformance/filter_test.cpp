@@ -10,6 +10,9 @@
 namespace stein::test {
 namespace {
 
+// NaN counts as larger than anything.
+double larger(double a, double b) { return b <= a ? a : b; }
+
 // Largest difference of two banks' results, relative to `scale`; map gives for (x, y) of `a` the pixel of `b`.
 template <class Map>
 double difference(const BankResult& a, const BankResult& b, double factor, Map map) {
@@ -20,9 +23,9 @@ double difference(const BankResult& a, const BankResult& b, double factor, Map m
         for (int x = 0; x < a.result[s][c].width(); ++x) {
           const auto [bx, by] = map(x, y);
           const double value = factor * a.result[s][c].row(y)[x];
-          largest = std::max(largest, std::abs(value - b.result[s][c].row(by)[bx]) / (factor * 1.0));
+          largest = larger(largest, std::abs(value - b.result[s][c].row(by)[bx]) / factor);
           const double divergence = factor * factor * a.divergence[s][c].row(y)[x];
-          largest = std::max(largest, std::abs(divergence - b.divergence[s][c].row(by)[bx]) / (factor * factor * 0.01));
+          largest = larger(largest, std::abs(divergence - b.divergence[s][c].row(by)[bx]) / (factor * factor * 0.01));
         }
       }
     }
