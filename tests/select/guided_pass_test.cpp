@@ -71,7 +71,7 @@ void spoil(OwnedFrame& frame) {
   }
   const float nan = std::numeric_limits<float>::quiet_NaN();
   frame.at("R", 0, 0) = nan;
-  frame.at("variance.G", 36, 30) = -1.0F;
+  frame.at("variance.G", 36, 29) = -1.0F;
   frame.at("albedo.R", 5, 5) = nan;
   frame.at("depth.variance.Z", 33, 4) = nan;
 }
