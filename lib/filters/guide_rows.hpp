@@ -17,7 +17,8 @@ namespace stein {
 
 class GuideRows {
  public:
-  /// A window of `rows` rows. The frame's features guide as `guides` says, and the colour if range_sigma > 0 (SBF Eq. 4).
+  /// A window of `rows` rows. The frame's features guide as `guides` says, and the colour if range_sigma > 0 (SBF Eq.
+  /// 4).
   GuideRows(const Source& source, const FeatureGuides& guides, float range_sigma, int rows);
 
   /// Fills the tile's pixels.

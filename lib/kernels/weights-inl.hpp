@@ -25,7 +25,8 @@ HWY_INLINE FloatVec reciprocal(FloatTag d, FloatVec v) {
   return hn::Mul(r, hn::NegMulAdd(v, r, hn::Set(d, 2.0F)));  // one Newton step
 }
 
-// 2^-x. Lane type: float32. Valid range: [0, inf). Max relative error: 3e-7 up to 59; exactly 1 at 0 and exactly 0 from 59.5 on.
+// 2^-x. Lane type: float32. Valid range: [0, inf). Max relative error: 3e-7 up to 59; exactly 1 at 0 and exactly 0
+// from 59.5 on.
 HWY_INLINE FloatVec exp2_negative(FloatTag d, FloatVec x) {
   const hn::RebindToUnsigned<FloatTag> du;
   constexpr float kCutOff = 60.0F;
