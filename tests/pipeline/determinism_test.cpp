@@ -27,7 +27,7 @@ bool same_bits(const DenoiseResult& a, const DenoiseResult& b) {
 }  // namespace
 
 TEST_CASE("denoise: 1, 2 and 5 threads and three tile sizes give identical bits") {
-  OwnedFrame frame(203, 171, kUsualFeatures);
+  OwnedFrame frame(131, 97, kUsualFeatures);
   fill_random(frame, 31);
   frame.at("R", 60, 90) = 500.0F;  // an outlier, and pixels to fill
   frame.at("variance.R", 60, 90) = 250000.0F;
