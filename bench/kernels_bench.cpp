@@ -25,20 +25,20 @@ double bank_flops(const CrossBilateralParams& params, const exec::TileLayout& la
   return flops;
 }
 
-void run_bank(benchmark::State& state, const CrossBilateralParams& params) {
+void run_bank(benchmark::State& state, const CrossBilateralParams& params, Divergence divergence = Divergence::kPlain) {
   constexpr int kWidth = 128;
   constexpr int kHeight = 32;
   const BenchFrame frame(kWidth * 3, kHeight * 3);
   const Source source(frame.frame(), inspect(frame.frame()));
   const GuideRows guides = make_guides(params, source, kHeight * 3);
   guides.prepare({0, 0, kWidth * 3, kHeight * 3});
-  const auto filter = prepare(params, {source, guides, kWidth, kHeight});
+  const auto filter = prepare(params, {source, guides, kWidth, kHeight, kHeight * 3, divergence});
   const exec::RowRing ring(filter->candidates() * CandidateRows::kPlanes, kWidth * 3, kHeight * 3);
   FilterScratch scratch;
-  for (auto _ : state) filter->run({kWidth, kHeight, 2 * kWidth, 2 * kHeight}, scratch, CandidateRows(ring));
+  for (auto _ : state) filter->run(0, {kWidth, kHeight, 2 * kWidth, 2 * kHeight}, scratch, CandidateRows(ring));
   const double pixels = kWidth * kHeight;
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * kWidth * kHeight);
-  const exec::TileLayout layout(kWidth, kHeight, halo(params));
+  const exec::TileLayout layout(kWidth, kHeight, reach(params));
   state.counters["flops"] =
       benchmark::Counter(pixels * bank_flops(params, layout), benchmark::Counter::kIsIterationInvariantRate);
   state.SetLabel(kernels::instruction_set());

@@ -22,6 +22,22 @@ enum class Selection : std::uint8_t {
   kBlend,   ///< that choice as weights, smoothed along edges: a mixture near the borders of two choices
 };
 
+/// How the error of a candidate is estimated. All are unbiased for noise that is Gaussian and of the variances given.
+enum class Risk : std::uint8_t {
+  kAuto,        ///< the best that filter and frame allow, see DenoiseReport::risk
+  kPlain,       ///< SURE in closed form, SBF Eq. 2: colour channels and features err independently
+  kJoint,       ///< joint SURE in closed form, Joint SURE Eq. 2: with the frame's covariances, which it must have
+  kMonteCarlo,  ///< joint SURE from runs of the filter on perturbed input; plain SURE where there are no covariances
+};
+
+/// Monte Carlo estimate of a risk: the divergence is the mean over `draws` runs of b (F(y + step b) - F(y)) / step,
+/// with b of the frame's own noise.
+struct MonteCarloParams {
+  int draws = 1;       ///< [1..16] runs of the filter beside its own
+  float step = 0.05F;  ///< [1e-3..1] standard deviations of the noise
+  std::uint64_t seed = 1;
+};
+
 /// Fireflies: single pixels whose brightness neither their neighbours nor their own samples support
 /// (docs/filters/outliers.md).
 struct OutlierParams {
@@ -32,6 +48,8 @@ struct OutlierParams {
 
 struct DenoiseParams {
   FilterSpec filter = CrossBilateralParams{};
+  Risk risk = Risk::kAuto;
+  MonteCarloParams monte_carlo;  ///< read where the risk is estimated that way
   OutlierParams outliers;
   Selection selection = Selection::kBlend;
   float strength =
@@ -58,7 +76,8 @@ struct DenoiseReport {
   std::vector<double> choice_share;     ///< fraction of pixels whose largest weight is that entry's
   std::array<double, 3> mean_error{};   ///< mean over the image of the estimated squared error, per channel
   double mean_relative_error = 0;       ///< mean of error / (result^2 + 0.01) over pixels and channels
-  std::string risk;                     ///< the risk estimate that was used, such as "SURE"
+  std::string risk;                     ///< the risk estimate that was used, such as "joint SURE"
+  std::string risk_reason;              ///< why that one
   std::vector<std::string> warnings;    ///< in words, for people
   std::vector<StageSeconds> stages;
   std::string instruction_set;  ///< of the kernels, such as "AVX3"

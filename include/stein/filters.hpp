@@ -27,6 +27,8 @@ struct FeatureGuides {
   /// Lower bound of the sum of two per-sample variances in Eq. 6. [1e-6..1]
   float min_feature_variance = 0.01F;
 
+  /// The sigma that a feature of this name guides with; 0: not at all.
+  [[nodiscard]] float sigma_of(std::string_view feature) const;
   /// @throws Error kInvalidArgument naming `owner`, the parameter, its value and its range.
   void check(const std::string& owner) const;
 };
@@ -34,6 +36,7 @@ struct FeatureGuides {
 /// Cross-bilateral bank, SBF (Li, Wu, Chuang 2012) Eq. 4-8 and 13: one candidate per spatial scale.
 struct CrossBilateralParams {
   static constexpr std::string_view kName = "cross-bilateral";
+  static constexpr bool kHasDerivative = true;  ///< the risk has a closed form
 
   /// sigma_s of the candidates, ascending, each [0.5..16] px, at most 8.
   std::vector<float> spatial_sigmas = {1.0F, 1.41421356F, 2.0F, 2.82842712F, 4.0F, 5.65685425F, 8.0F};
@@ -50,7 +53,19 @@ struct CrossBilateralParams {
 /// The three scales that the paper uses between sampling iterations (SBF sec. 5.1).
 [[nodiscard]] CrossBilateralParams intermediate_cross_bilateral();
 
-using FilterSpec = std::variant<CrossBilateralParams>;
+/// Isotropic Gaussian bank, SBF sec. 5.4: no features, one candidate per spatial scale. A baseline.
+struct GaussianParams {
+  static constexpr std::string_view kName = "gaussian";
+  static constexpr bool kHasDerivative = true;
+
+  /// sigma_s of the candidates, ascending, each [0.5..16] px, at most 8.
+  std::vector<float> spatial_sigmas = {1.0F, 1.41421356F, 2.0F, 2.82842712F, 4.0F, 5.65685425F, 8.0F};
+
+  void check() const;                                              ///< see stein::check
+  [[nodiscard]] std::vector<std::string> candidate_names() const;  ///< without the unfiltered input
+};
+
+using FilterSpec = std::variant<CrossBilateralParams, GaussianParams>;
 
 /// The name of a filter, as on the command line.
 [[nodiscard]] std::string_view filter_name(const FilterSpec& spec);
@@ -60,6 +75,9 @@ using FilterSpec = std::variant<CrossBilateralParams>;
 
 /// A filter with its default parameters. @throws Error kInvalidArgument listing the names if there is no such filter.
 [[nodiscard]] FilterSpec make_filter(std::string_view name);
+
+/// Whether the filter knows its derivative, so that its risk has a closed form; where not, it takes Monte Carlo.
+[[nodiscard]] bool has_derivative(const FilterSpec& spec);
 
 /// The names of the candidates that a spec gives, the unfiltered input first ("input", "sigma_s=1", ...).
 [[nodiscard]] std::vector<std::string> candidate_names(const FilterSpec& spec);

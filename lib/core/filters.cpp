@@ -50,6 +50,28 @@ std::string chars_of(float value, Precision... precision) {
   return {text.data(), end.ptr};
 }
 
+std::vector<std::string> scale_names(const std::vector<float>& spatial_sigmas) {
+  std::vector<std::string> names;
+  names.reserve(spatial_sigmas.size());
+  std::transform(spatial_sigmas.begin(), spatial_sigmas.end(), std::back_inserter(names),
+                 [](float sigma) { return "sigma_s=" + to_text(sigma, 3); });
+  return names;
+}
+
+void require_scales(const std::string& prefix, const std::vector<float>& spatial_sigmas) {
+  if (spatial_sigmas.empty() || spatial_sigmas.size() > 8) {
+    out_of_range(prefix + "the number of spatial_sigmas", std::to_string(spatial_sigmas.size()), "in [1..8]");
+  }
+  for (std::size_t i = 0; i < spatial_sigmas.size(); ++i) {
+    const std::string what = prefix + "spatial_sigmas[" + std::to_string(i) + "]";
+    require_in_range(what, spatial_sigmas[i], 0.5F, 16.0F, "px");
+    if (i > 0 && spatial_sigmas[i] <= spatial_sigmas[i - 1]) {
+      out_of_range(what, to_text(spatial_sigmas[i]),
+                   "above the one before it (" + to_text(spatial_sigmas[i - 1]) + "): list them in ascending order");
+    }
+  }
+}
+
 }  // namespace
 
 std::string to_text(float value) { return chars_of(value); }
@@ -91,6 +113,10 @@ FilterSpec make_filter(std::string_view name) {
   return spec;
 }
 
+bool has_derivative(const FilterSpec& spec) {
+  return std::visit([](const auto& params) { return std::remove_cvref_t<decltype(params)>::kHasDerivative; }, spec);
+}
+
 std::vector<std::string> candidate_names(const FilterSpec& spec) {
   std::vector<std::string> names = std::visit([](const auto& params) { return params.candidate_names(); }, spec);
   names.insert(names.begin(), "input");
@@ -107,12 +133,15 @@ CrossBilateralParams intermediate_cross_bilateral() {
   return params;
 }
 
-std::vector<std::string> CrossBilateralParams::candidate_names() const {
-  std::vector<std::string> names;
-  names.reserve(spatial_sigmas.size());
-  std::transform(spatial_sigmas.begin(), spatial_sigmas.end(), std::back_inserter(names),
-                 [](float sigma) { return "sigma_s=" + to_text(sigma, 3); });
-  return names;
+std::vector<std::string> CrossBilateralParams::candidate_names() const { return scale_names(spatial_sigmas); }
+
+std::vector<std::string> GaussianParams::candidate_names() const { return scale_names(spatial_sigmas); }
+
+float FeatureGuides::sigma_of(std::string_view feature) const {
+  for (const FeatureSigma& entry : feature_sigmas) {
+    if (entry.name == feature) return entry.sigma;
+  }
+  return other_feature_sigma;
 }
 
 void FeatureGuides::check(const std::string& owner) const {
@@ -130,19 +159,11 @@ void FeatureGuides::check(const std::string& owner) const {
 
 void CrossBilateralParams::check() const {
   const std::string prefix = std::string(kName) + ": ";
-  if (spatial_sigmas.empty() || spatial_sigmas.size() > 8) {
-    out_of_range(prefix + "the number of spatial_sigmas", std::to_string(spatial_sigmas.size()), "in [1..8]");
-  }
-  for (std::size_t i = 0; i < spatial_sigmas.size(); ++i) {
-    const std::string what = prefix + "spatial_sigmas[" + std::to_string(i) + "]";
-    require_in_range(what, spatial_sigmas[i], 0.5F, 16.0F, "px");
-    if (i > 0 && spatial_sigmas[i] <= spatial_sigmas[i - 1]) {
-      out_of_range(what, to_text(spatial_sigmas[i]),
-                   "above the one before it (" + to_text(spatial_sigmas[i - 1]) + "): list them in ascending order");
-    }
-  }
+  require_scales(prefix, spatial_sigmas);
   require_not_negative(prefix + "range_sigma", range_sigma);
   guides.check(std::string(kName));
 }
+
+void GaussianParams::check() const { require_scales(std::string(kName) + ": ", spatial_sigmas); }
 
 }  // namespace stein

@@ -7,8 +7,10 @@
 // symbol        | here                                             | Eq.
 // w_ij          | kernels/weights-inl.hpp times ScaleTaps::spatial  | 4
 // D(f_i, f_j)   | kernels/weights-inl.hpp, guides from GuideRows    | 6
-// F, dF/dc      | kernels/cross_bilateral.cpp                       | 5, 7 (= 13)
+// F, D          | kernels/cross_bilateral.cpp                       | 5, 7 (= 13); Joint SURE Eq. 2
 #include "kernels/cross_bilateral.hpp"
+
+#include <numbers>
 
 #include "filters/filter.hpp"
 #include "filters/taps.hpp"
@@ -16,19 +18,23 @@
 namespace stein {
 namespace {
 
+// -dw/df over w, for w = 2^-d and the guides' d, is this times (f_i - f_j) / V.
+constexpr float kSlope = static_cast<float>(2.0 * std::numbers::ln2);
+
 class CrossBilateral final : public PreparedFilter {
  public:
   CrossBilateral(const CrossBilateralParams& params, const FilterContext& context)
       : source_(context.source),
         guides_(context.guides),
-        layout_(context.tile_width, context.tile_height, stein::halo(params)),
+        divergence_(context.divergence),
+        has_covariance_(guides_.has_covariance(divergence_)),
+        layout_(context.tile_width, context.tile_height, radius_of(params.spatial_sigmas)),
         taps_(params.spatial_sigmas, layout_),
-        scales_(static_cast<int>(params.spatial_sigmas.size())),
-        inverse_range_variance_(params.range_sigma > 0 ? 1.0F / (params.range_sigma * params.range_sigma) : 0.0F) {}
+        scales_(static_cast<int>(params.spatial_sigmas.size())) {}
 
   [[nodiscard]] int candidates() const noexcept override { return scales_; }
 
-  void run(const Rect& tile, FilterScratch& scratch, const CandidateRows& out) const override {
+  void run(int /*pass*/, const Rect& tile, FilterScratch& scratch, const CandidateRows& out) const override {
     exec::TilePlanes& planes = scratch.tile;
     const int colour = guides_.planes();
     const int variance = colour + 3;
@@ -43,9 +49,10 @@ class CrossBilateral final : public PreparedFilter {
     row.first_scale = taps_.first_scale.data();
     row.spatial = taps_.spatial.data();
     row.scales = scales_;
-    row.inverse_range_variance = inverse_range_variance_;
+    row.has_covariance = has_covariance_;
     for (int y = 0; y < tile.height(); ++y) {
       row.guides = guides_.tile_row(planes, y);
+      if (has_covariance_) load_covariance(tile, tile.y0 + y, scratch.lines, row);
       for (int c = 0; c < 3; ++c) {
         row.colour[c] = planes.row(colour + c, y);
         row.variance[c] = planes.row(variance + c, y);
@@ -72,17 +79,32 @@ class CrossBilateral final : public PreparedFilter {
     }
   }
 
+  void load_covariance(const Rect& tile, int y, exec::FloatBuffer& lines, kernels::CrossBilateralRow& row) const {
+    const int channels = guides_.channels();
+    const std::ptrdiff_t pitch = layout_.max_width + kernels::kMaxLanes;  // rows do not share cache sets
+    float* first = lines.reserve(static_cast<std::size_t>(3 * channels * pitch));
+    float* rows[3 * kernels::kMaxGuideChannels];
+    for (int k = 0; k < 3 * channels; ++k) {
+      rows[k] = first + k * pitch;
+      row.covariance[k / channels][k % channels] = rows[k];
+    }
+    guides_.covariance_rows(divergence_, kSlope, y, tile.x0, tile.width(), rows);
+    const int tail = (kernels::kMaxLanes - tile.width() % kernels::kMaxLanes) % kernels::kMaxLanes;
+    for (int k = 0; k < 3 * channels; ++k) std::fill_n(rows[k] + tile.width(), tail, 0.0F);
+  }
+
   const Source& source_;
   const GuideRows& guides_;
+  Divergence divergence_;
+  bool has_covariance_;
   exec::TileLayout layout_;
   ScaleTaps taps_;
   int scales_;
-  float inverse_range_variance_;
 };
 
 }  // namespace
 
-int halo(const CrossBilateralParams& params) { return radius_of(params.spatial_sigmas); }
+std::vector<int> halos(const CrossBilateralParams& params) { return {radius_of(params.spatial_sigmas)}; }
 
 GuideRows make_guides(const CrossBilateralParams& params, const Source& source, int rows) {
   return {source, params.guides, params.range_sigma, rows};

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "exec/buffers.hpp"
 #include "exec/rect.hpp"
@@ -41,10 +42,11 @@ class CandidateRows {
 /// Scratch memory of one thread.
 struct FilterScratch {
   exec::TilePlanes tile;
+  exec::FloatBuffer lines;
 };
 
 /// A filter bound to its parameters and to one frame. Const and stateless while it runs: tiles run in any order and
-/// thread.
+/// thread, pass by pass.
 class PreparedFilter {
  public:
   PreparedFilter() = default;
@@ -53,29 +55,38 @@ class PreparedFilter {
   virtual ~PreparedFilter() = default;
 
   [[nodiscard]] virtual int candidates() const noexcept = 0;  ///< without the unfiltered input
-  /// Fills F and D of the tile. Writes up to the next multiple of 16 pixels in x.
-  virtual void run(const Rect& tile, FilterScratch& scratch, const CandidateRows& out) const = 0;
+  /// Runs one pass over the tile; the last one fills F, and D where the filter knows its derivative. What earlier
+  /// passes left is there for the tile and the pass's halo around it. Writes up to the next multiple of 16 pixels in x.
+  virtual void run(int pass, const Rect& tile, FilterScratch& scratch, const CandidateRows& out) const = 0;
 };
 
 /// What a filter is bound to. Tiles do not exceed tile_width x tile_height; when one runs, the guides of its rows and
-/// of those within the filter's halo are prepared.
+/// of those within the halo are prepared.
 struct FilterContext {
   const Source& source;
   const GuideRows& guides;
   int tile_width = 0;
   int tile_height = 0;
+  int window_rows = 0;  ///< rows that a filter of several passes has to keep of each
+  Divergence divergence = Divergence::kPlain;
 };
 
-/// One overload per filter, each in its own pair of files.
-[[nodiscard]] int halo(const CrossBilateralParams& params);
+/// One overload per filter, each in its own pair of files: the halo of each pass, the guides that the filter wants
+/// prepared in a window of `rows` rows (they guide the smoothing of its risk too), and the filter.
+[[nodiscard]] std::vector<int> halos(const CrossBilateralParams& params);
+[[nodiscard]] GuideRows make_guides(const CrossBilateralParams& params, const Source& source, int rows);
 [[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const CrossBilateralParams& params, const FilterContext& context);
 
+[[nodiscard]] std::vector<int> halos(const GaussianParams& params);
+[[nodiscard]] GuideRows make_guides(const GaussianParams& params, const Source& source, int rows);
+[[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const GaussianParams& params, const FilterContext& context);
+
 /// The overloads for the alternative that `spec` holds.
-[[nodiscard]] int halo(const FilterSpec& spec);
+[[nodiscard]] std::vector<int> halos(const FilterSpec& spec);
+[[nodiscard]] GuideRows make_guides(const FilterSpec& spec, const Source& source, int rows);
 [[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const FilterSpec& spec, const FilterContext& context);
 
-/// The guides that the filter wants prepared, in a window of `rows` rows. They guide the smoothing of its risk too.
-[[nodiscard]] GuideRows make_guides(const CrossBilateralParams& params, const Source& source, int rows);
-[[nodiscard]] GuideRows make_guides(const FilterSpec& spec, const Source& source, int rows);
+/// Pixels that can change a pixel's result: the halos of all passes together.
+[[nodiscard]] int reach(const FilterSpec& spec);
 
 }  // namespace stein

@@ -9,22 +9,11 @@
 #include "stein/error.hpp"
 
 namespace stein {
-namespace {
-
-float feature_sigma(const FeatureGuides& guides, const std::string& name) {
-  for (const FeatureSigma& entry : guides.feature_sigmas) {
-    if (entry.name == name) return entry.sigma;
-  }
-  return guides.other_feature_sigma;
-}
-
-}  // namespace
-
 GuideRows::GuideRows(const Source& source, const FeatureGuides& guides, float range_sigma, int rows)
     : source_(source), min_variance_(guides.min_feature_variance) {
   const std::vector<Feature>& features = source.frame().features;
   for (std::size_t f = 0; f < features.size(); ++f) {
-    const float sigma = feature_sigma(guides, features[f].name);
+    const float sigma = guides.sigma_of(features[f].name);
     if (sigma > 0) add(static_cast<int>(f), static_cast<int>(features[f].mean.size()), sigma);
   }
   feature_groups_ = groups_.size();
@@ -73,6 +62,34 @@ void GuideRows::load(const Rect& tile, exec::TilePlanes& planes) const {
   load_tile(tile, frame.width, frame.height, planes, 0, this->planes(), [&](int y, int x, int n, float* const* rows) {
     for (int p = 0; p < this->planes(); ++p) std::copy_n(ring_.row(p, y) + x, n, rows[p]);
   });
+}
+
+bool GuideRows::has_covariance(Divergence divergence) const noexcept {
+  return std::any_of(groups_.begin(), groups_.end(), [&](const Group& group) {
+    if (group.feature < 0) return true;
+    const Feature& feature = source_.frame().features[static_cast<std::size_t>(group.feature)];
+    return divergence == Divergence::kJoint && !feature.colour_covariance.empty();
+  });
+}
+
+void GuideRows::covariance_rows(Divergence divergence, float factor, int y, int x, int count,
+                                float* const* rows) const {
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::size_t row = c * static_cast<std::size_t>(channels_);
+    for (const Group& group : groups_) {
+      for (std::size_t k = 0; k < static_cast<std::size_t>(group.channels); ++k, ++row) {
+        if (group.feature < 0 && (k == c || divergence == Divergence::kJoint)) {
+          source_.colour_covariance_row(c, k, y, x, count, rows[row]);
+          for (int i = 0; i < count; ++i) rows[row][i] *= factor * group.factor;
+        } else if (group.feature >= 0 && divergence == Divergence::kJoint) {
+          const auto feature = static_cast<std::size_t>(group.feature);
+          source_.feature_covariance_row(c, feature, k, factor * group.factor, y, x, count, rows[row]);
+        } else {
+          std::fill_n(rows[row], count, 0.0F);
+        }
+      }
+    }
+  }
 }
 
 template <class Row>

@@ -15,6 +15,12 @@
 
 namespace stein {
 
+/// What the divergence of a filter accounts for.
+enum class Divergence {
+  kPlain,  ///< each colour channel's own noise (SBF Eq. 2)
+  kJoint,  ///< also the covariances with the other channels and with the features (Joint SURE Eq. 2)
+};
+
 class GuideRows {
  public:
   /// A window of `rows` rows. The frame's features guide as `guides` says, and the colour if range_sigma > 0 (SBF Eq.
@@ -28,6 +34,14 @@ class GuideRows {
   [[nodiscard]] int planes() const noexcept { return mask_plane() + 1; }
   /// Copies planes [0, planes()) of the tile and its halo; the mask is 0 outside of the image.
   void load(const Rect& tile, exec::TilePlanes& planes) const;
+
+  /// Number of guide channels, the range term's included.
+  [[nodiscard]] int channels() const noexcept { return channels_; }
+  /// Whether any guide moves with the colour's noise.
+  [[nodiscard]] bool has_covariance(Divergence divergence) const noexcept;
+  /// Covariances of the mean of colour channel c with guide channel k, for pixels [x, x + count) of row y, to
+  /// rows[c * channels() + k]; in the units of the kernels' Guides, times `factor`.
+  void covariance_rows(Divergence divergence, float factor, int y, int x, int count, float* const* rows) const;
 
   /// Kernel arguments for row y of a loaded tile, range term included.
   [[nodiscard]] kernels::Guides tile_row(const exec::TilePlanes& planes, int y) const;

@@ -20,10 +20,15 @@ struct CrossBilateralRow {
   const int* first_scale = nullptr;
   const float* spatial = nullptr;
   int scales = 0;
-  float inverse_range_variance = 0;  ///< 1 / sigma_r^2 where the guides hold the colour as a range term, else 0
+  /// Whether guides move with the colour's noise. Then covariance[c][k], target pixels only, is 2 ln 2 times the
+  /// covariance of colour channel c with guide channel k, in the units of the guides: it moves the logarithm of a
+  /// weight by minus itself times (f_i - f_j) / V.
+  bool has_covariance = false;
+  const float* covariance[3][kMaxGuideChannels];
 
-  float* result[kMaxScales][3];      ///< out: F, SBF Eq. 5; the pixel's own colour where no neighbour has weight
-  float* divergence[kMaxScales][3];  ///< out: variance of the mean times dF/dc, SBF Eq. 7
+  float* result[kMaxScales][3];  ///< out: F, SBF Eq. 5; the pixel's own colour where no neighbour has weight
+  /// out: sum over the pixel's own inputs x of dF_c/dx Cov(x, x_c): Joint SURE Eq. 2, of which SBF Eq. 7 is a part
+  float* divergence[kMaxScales][3];
 };
 
 void cross_bilateral_row(const CrossBilateralRow& row);

@@ -109,6 +109,69 @@ HWY_INLINE void guide_weights(FloatTag d, const Guides& centre, const Guides& ar
   }
 }
 
+// Adds the group's distance, and for each colour channel c the slope sum_k covariance[c][k] (a_k - b_k) / V.
+template <int kTaps>
+HWY_INLINE void add_group_with_slopes(FloatTag d, const Guides& centre, const Guides& around,
+                                      const float* const (&covariance)[3][kMaxGuideChannels], int group,
+                                      int first_channel, int end_channel, std::ptrdiff_t x,
+                                      const std::ptrdiff_t (&at)[kTaps], FloatVec (&distance)[kTaps],
+                                      FloatVec (&slope)[3][kTaps]) {
+  FloatVec s[kTaps];
+  FloatVec q[3][kTaps];
+  for (int t = 0; t < kTaps; ++t) s[t] = q[0][t] = q[1][t] = q[2][t] = hn::Zero(d);
+  for (int k = first_channel; k < end_channel; ++k) {
+    const float* HWY_RESTRICT f = around.channel[k];
+    const FloatVec a = hn::LoadU(d, centre.channel[k] + x);
+    const FloatVec c0 = hn::LoadU(d, covariance[0][k] + x);
+    const FloatVec c1 = hn::LoadU(d, covariance[1][k] + x);
+    const FloatVec c2 = hn::LoadU(d, covariance[2][k] + x);
+    for (int t = 0; t < kTaps; ++t) {
+      const FloatVec e = hn::Sub(a, hn::LoadU(d, f + at[t]));
+      s[t] = hn::MulAdd(e, e, s[t]);
+      q[0][t] = hn::MulAdd(c0, e, q[0][t]);
+      q[1][t] = hn::MulAdd(c1, e, q[1][t]);
+      q[2][t] = hn::MulAdd(c2, e, q[2][t]);
+    }
+  }
+  const float* HWY_RESTRICT variance = around.variance[group];
+  const FloatVec va = hn::LoadU(d, centre.variance[group] + x);
+  const FloatVec min_variance = hn::Set(d, centre.min_variance);
+  for (int t = 0; t < kTaps; ++t) {
+    const FloatVec r = reciprocal(d, hn::Max(hn::Add(va, hn::LoadU(d, variance + at[t])), min_variance));
+    distance[t] = hn::MulAdd(s[t], r, distance[t]);
+    for (int c = 0; c < 3; ++c) slope[c][t] = hn::MulAdd(q[c][t], r, slope[c][t]);
+  }
+}
+
+// guide_weights() and, for each colour channel, minus the relative change of the weight with it: slope[c][t].
+template <bool kUsual, int kTaps>
+HWY_INLINE void guide_weights_and_slopes(FloatTag d, const Guides& centre, const Guides& around,
+                                         const float* const (&covariance)[3][kMaxGuideChannels], std::ptrdiff_t x,
+                                         const std::ptrdiff_t* offsets, FloatVec (&w)[kTaps],
+                                         FloatVec (&slope)[3][kTaps]) {
+  std::ptrdiff_t at[kTaps];
+  FloatVec distance[kTaps];
+  for (int t = 0; t < kTaps; ++t) {
+    at[t] = x + offsets[t];
+    distance[t] = slope[0][t] = slope[1][t] = slope[2][t] = hn::Zero(d);
+  }
+  if constexpr (kUsual) {
+    add_group_with_slopes(d, centre, around, covariance, 0, 0, 3, x, at, distance, slope);
+    add_group_with_slopes(d, centre, around, covariance, 1, 3, 6, x, at, distance, slope);
+    add_group_with_slopes(d, centre, around, covariance, 2, 6, 7, x, at, distance, slope);
+  } else {
+    for (int g = 0; g < centre.groups; ++g) {
+      const int first_channel = g == 0 ? 0 : centre.group_end[g - 1];
+      add_group_with_slopes(d, centre, around, covariance, g, first_channel, centre.group_end[g], x, at, distance,
+                            slope);
+    }
+  }
+  const FloatVec scale = hn::Set(d, centre.distance_scale);
+  for (int t = 0; t < kTaps; ++t) {
+    w[t] = hn::Mul(exp2_negative(d, hn::Mul(distance[t], scale)), hn::LoadU(d, around.mask + at[t]));
+  }
+}
+
 }  // namespace stein::kernels::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

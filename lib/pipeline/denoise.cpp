@@ -10,6 +10,7 @@
 #include "core/parameter_check.hpp"
 #include "exec/runner.hpp"
 #include "kernels/guides.hpp"
+#include "pipeline/risk_choice.hpp"
 #include "pipeline/stages.hpp"
 #include "pipeline/summary.hpp"
 #include "prefilter/outliers.hpp"
@@ -80,6 +81,8 @@ void check(const DenoiseParams& params) {
   require_in_range("strength", params.strength, 0.0F, 1.0F);
   require_in_range("outliers.excess", params.outliers.excess, 0.0F, 100.0F);
   require_in_range("outliers.support", params.outliers.support, 1e-3F, 100.0F);
+  require_in_range("monte_carlo.draws", static_cast<float>(params.monte_carlo.draws), 1.0F, 16.0F);
+  require_in_range("monte_carlo.step", params.monte_carlo.step, 1e-3F, 1.0F, "standard deviations");
   require_in_range("density.epsilon", params.density.epsilon, 1e-9F, 1e9F);
   for (const float weight : params.luminance_weights) require_in_range("luminance_weights", weight, -10.0F, 10.0F);
   const Execution& execution = params.execution;
@@ -93,9 +96,13 @@ void check(const DenoiseParams& params) {
 DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {
   check(params);
   check(frame);
+  const RiskChoice risk = choose_risk(frame, params);
   exec::Runner runner(params.execution);
   DenoiseResult result;
   DenoiseReport& report = result.report;
+  report.risk = risk.name;
+  report.risk_reason = risk.reason;
+  report.warnings = risk.warnings;
   StageClock clock(report.stages);
 
   clock.measure("inspect", [&] { report.frame = inspect(frame, runner, (1.0 - kMainShare) / 2); });
@@ -106,7 +113,7 @@ DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {
   clock.measure("outliers", [&] { replace_outliers(source, params, runner, report); });
 
   const exec::RowPipelineGeometry geometry = geometry_of(frame, params.execution, runner.slots());
-  Stages pipeline(source, params, geometry, runner.slots(), result);
+  Stages pipeline(source, params, risk.method, geometry, runner.slots(), result);
   const std::vector<double> seconds = exec::run_row_pipeline(geometry, pipeline.list(), runner, kMainShare);
   for (std::size_t s = 0; s < seconds.size(); ++s) clock.add(pipeline.list()[s].name, seconds[s]);
 

@@ -23,33 +23,53 @@ constexpr float kSmoothingSigmaScale = 2.0F;
 
 constexpr float kRelativeEpsilon = 0.01F;  // of relative MSE, SBF sec. 5.2
 
-// Reach of the filter and of all passes: the rows that windows must hold on either side.
-std::vector<int> all_halos(const FilterSpec& filter) {
-  std::vector<int> halos = {halo(filter)};
+// Reach of the filter, once for each run of it, and of all passes: the rows that windows must hold on either side.
+std::vector<int> all_halos(const FilterSpec& filter, int runs) {
+  std::vector<int> all;
+  const auto append = [&](const std::vector<int>& halos) { all.insert(all.end(), halos.begin(), halos.end()); };
+  for (int r = 0; r < runs; ++r) append(halos(filter));
   for (const std::vector<int>* steps : {&kRiskSteps, &kWeightSteps, &kErrorSteps}) {
-    for (const int step : *steps) halos.push_back(GuidedPass::kRadius * step);
+    for (const int step : *steps) append({GuidedPass::kRadius * step});
   }
-  return halos;
+  return all;
+}
+
+int draws_of(const DenoiseParams& params, Risk risk) {
+  return risk == Risk::kMonteCarlo ? params.monte_carlo.draws : 0;
 }
 
 }  // namespace
 
-Stages::Stages(const Source& source, const DenoiseParams& params, const exec::RowPipelineGeometry& geometry, int slots,
-               DenoiseResult& result)
+Stages::Stages(const Source& source, const DenoiseParams& params, Risk risk, const exec::RowPipelineGeometry& geometry,
+               int slots, DenoiseResult& result)
     : source_(source),
       params_(params),
       geometry_(geometry),
       result_(result),
-      ring_rows_(exec::ring_capacity(geometry, all_halos(params.filter))),
-      guides_(make_guides(params.filter, source, ring_rows_)),
-      filter_(prepare(params.filter, {source, guides_, geometry.tile_width, geometry.tile_height})),
-      entries_(filter_->candidates() + 1) {
+      ring_rows_(exec::ring_capacity(geometry, all_halos(params.filter, 1 + draws_of(params, risk)))) {
+  add_run(risk, {});
+  for (int draw = 0; draw < draws_of(params, risk); ++draw) {
+    add_run(risk, Perturbation{params.monte_carlo.seed, draw, params.monte_carlo.step});
+  }
+  plan(slots);
+}
+
+void Stages::add_run(Risk risk, const std::optional<Perturbation>& perturbation) {
+  auto run = std::make_unique<Run>();
+  if (perturbation) run->perturbed.emplace(source_.perturbed(*perturbation));
+  const Source& source = perturbation ? *run->perturbed : source_;
+  run->guides.emplace(make_guides(params_.filter, source, ring_rows_));
+  const Divergence divergence = risk == Risk::kJoint ? Divergence::kJoint : Divergence::kPlain;
+  run->filter = prepare(params_.filter,
+                        {source, *run->guides, geometry_.tile_width, geometry_.tile_height, ring_rows_, divergence});
+  entries_ = run->filter->candidates() + 1;
   if (entries_ > kMaxEntries) {
     throw Error(ErrorCode::kInvalidArgument, "the filter has " + std::to_string(entries_ - 1) +
                                                  " candidates; at most " + std::to_string(kMaxEntries - 1) +
                                                  " can be chosen from");
   }
-  plan(slots);
+  run->candidates = add_ring((entries_ - 1) * CandidateRows::kPlanes);
+  runs_.push_back(std::move(run));
 }
 
 void Stages::plan(int slots) {
@@ -58,12 +78,9 @@ void Stages::plan(int slots) {
   lines_.assign(static_cast<std::size_t>(slots),
                 std::vector<float>(kLines * static_cast<std::size_t>(geometry_.tile_width)));
 
-  candidates_ = add_ring((entries_ - 1) * CandidateRows::kPlanes);
   raw_risks_ = add_ring(entries_);
   raw_errors_ = add_ring(3);
-  list_.push_back({"prepare", 0, 0.5, [this](const Rect& tile, int /*slot*/) { guides_.prepare(tile); }});
-  list_.push_back(
-      {"filter", halo(params_.filter), 15.0, [this](const Rect& tile, int slot) { filter_and_risk(tile, slot); }});
+  for (std::size_t r = 0; r < runs_.size(); ++r) plan_run(r);
   risks_ = add_passes("smooth risk", raw_risks_, PassKernel::kBox, kRiskSteps, &Stages::pick);
   if (params_.selection == Selection::kBlend) {
     weights_ = add_passes("select", risks_, PassKernel::kB3Spline, kWeightSteps, &Stages::mix);
@@ -72,6 +89,45 @@ void Stages::plan(int slots) {
     list_.push_back({"select", 0, 0.1, [this](const Rect& tile, int slot) { mix(tile, slot); }});
   }
   errors_ = add_passes("smooth error", raw_errors_, PassKernel::kB3Spline, kErrorSteps, &Stages::finish);
+}
+
+// The passes of one run of the filter. Its last one goes on with what needs nothing but the tile itself.
+void Stages::plan_run(std::size_t index) {
+  Run& run = *runs_[index];
+  list_.push_back({"prepare", 0, 0.5, [&run](const Rect& tile, int /*slot*/) { run.guides->prepare(tile); }});
+  const std::vector<int> passes = halos(params_.filter);
+  for (std::size_t p = 0; p < passes.size(); ++p) {
+    const bool is_last = p + 1 == passes.size();
+    list_.push_back({index == 0 ? "filter" : "draw", passes[p], 15.0 / static_cast<double>(passes.size()),
+                     [this, &run, index, p, is_last](const Rect& tile, int slot) {
+                       const auto s = static_cast<std::size_t>(slot);
+                       run.filter->run(static_cast<int>(p), tile, scratch_[s], CandidateRows(*run.candidates.ring));
+                       if (is_last && index > 0) add_draw(run, tile, lines_[s].data());
+                       if (is_last && index + 1 == runs_.size()) estimate_risk(tile, slot);
+                     }});
+  }
+}
+
+// Monte Carlo SURE: D = b (F(y + step b) - F(y)) / step, mean over the draws. With b of the joint covariance of colour
+// and features its expectation is the sum of both derivative terms of Joint SURE Eq. 2.
+void Stages::add_draw(const Run& draw, const Rect& tile, float* lines) {
+  const int n = tile.width();
+  const float factor = 1.0F / (params_.monte_carlo.step * static_cast<float>(params_.monte_carlo.draws));
+  const bool is_first = &draw == runs_[1].get();
+  const CandidateRows base(*runs_[0]->candidates.ring);
+  const CandidateRows moved(*draw.candidates.ring);
+  for (int y = tile.y0; y < tile.y1; ++y) {
+    for (int c = 0; c < 3; ++c) {
+      float* b = lines;
+      draw.perturbed->direction_row(static_cast<std::size_t>(c), y, tile.x0, n, b);
+      for (int k = 0; k + 1 < entries_; ++k) {
+        const float* F = base.result(k, c, y) + tile.x0;
+        const float* F_moved = moved.result(k, c, y) + tile.x0;
+        float* D = base.divergence(k, c, y) + tile.x0;
+        for (int i = 0; i < n; ++i) D[i] = (is_first ? 0.0F : D[i]) + factor * b[i] * (F_moved[i] - F[i]);
+      }
+    }
+  }
 }
 
 MapRows Stages::add_ring(int planes) {
@@ -86,7 +142,7 @@ MapRows Stages::add_passes(const std::string& name, MapRows maps, PassKernel ker
     const MapRows out = add_ring(maps.count);
     const TileStep last = i + 1 == steps.size() ? then : nullptr;
     list_.push_back({name, pass.halo(), 1.0, [this, pass, maps, out, last](const Rect& tile, int slot) {
-                       run_guided_pass(pass, guides_, geometry_.height, tile, maps, out);
+                       run_guided_pass(pass, *runs_[0]->guides, geometry_.height, tile, maps, out);
                        if (last != nullptr) (this->*last)(tile, slot);
                      }});
     maps = out;
@@ -94,8 +150,7 @@ MapRows Stages::add_passes(const std::string& name, MapRows maps, PassKernel ker
   return maps;
 }
 
-void Stages::filter_and_risk(const Rect& tile, int slot) {
-  filter_->run(tile, scratch_[static_cast<std::size_t>(slot)], CandidateRows(*candidates_.ring));
+void Stages::estimate_risk(const Rect& tile, int slot) {
   for (int y = tile.y0; y < tile.y1; ++y) risk_row(tile, y, lines_[static_cast<std::size_t>(slot)].data());
 }
 
@@ -111,7 +166,7 @@ void Stages::risk_row(const Rect& tile, int y, float* lines) {
   float* own_variance = line(3);
   float* weight = line(4);
   float* risk = line(5);
-  const CandidateRows rows(*candidates_.ring);
+  const CandidateRows rows(*runs_[0]->candidates.ring);
   for (int e = 0; e < entries_; ++e) std::fill_n(raw_risks_.row(e, y) + tile.x0, n, 0.0F);
   for (int c = 0; c < 3; ++c) {
     const auto channel = static_cast<std::size_t>(c);
@@ -162,7 +217,7 @@ void Stages::mix_row(const Rect& tile, int y, float* lines) {
   float* variance = line(1);
   float* F = line(2);
   float* D = line(3);
-  const CandidateRows rows(*candidates_.ring);
+  const CandidateRows rows(*runs_[0]->candidates.ring);
   for (int c = 0; c < 3; ++c) {
     const auto channel = static_cast<std::size_t>(c);
     source_.input_row(channel, y, tile.x0, n, mean, variance);

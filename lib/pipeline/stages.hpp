@@ -5,6 +5,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,8 @@ namespace stein {
 class Stages {
  public:
   /// Everything referred to must outlive this.
-  Stages(const Source& source, const DenoiseParams& params, const exec::RowPipelineGeometry& geometry, int slots,
-         DenoiseResult& result);
+  Stages(const Source& source, const DenoiseParams& params, Risk risk, const exec::RowPipelineGeometry& geometry,
+         int slots, DenoiseResult& result);
 
   /// In the order in which they run. The stages refer to this object.
   [[nodiscard]] const std::vector<exec::RowStage>& list() const noexcept { return list_; }
@@ -28,14 +29,25 @@ class Stages {
  private:
   using TileStep = void (Stages::*)(const Rect& tile, int slot);
 
+  /// The filter on the frame, or on a perturbed one.
+  struct Run {
+    std::optional<Source> perturbed;
+    std::optional<GuideRows> guides;
+    std::unique_ptr<PreparedFilter> filter;
+    MapRows candidates;  ///< F and D
+  };
+
+  void add_run(Risk risk, const std::optional<Perturbation>& perturbation);
   void plan(int slots);
+  void plan_run(std::size_t index);
   /// Appends a chain of smoothing passes over `maps`; `then` handles each tile of the last one. Returns where that
   /// leaves them.
   MapRows add_passes(const std::string& name, MapRows maps, PassKernel kernel, const std::vector<int>& steps,
                      TileStep then);
   MapRows add_ring(int planes);
 
-  void filter_and_risk(const Rect& tile, int slot);
+  void add_draw(const Run& draw, const Rect& tile, float* lines);
+  void estimate_risk(const Rect& tile, int slot);
   void pick(const Rect& tile, int slot);
   void mix(const Rect& tile, int slot);
   void finish(const Rect& tile, int slot);
@@ -49,13 +61,11 @@ class Stages {
   exec::RowPipelineGeometry geometry_;
   DenoiseResult& result_;
   int ring_rows_;
-  GuideRows guides_;
-  std::unique_ptr<PreparedFilter> filter_;
-  int entries_;
   std::vector<std::unique_ptr<exec::RowRing>> rings_;
-  MapRows candidates_;  // F and D of the candidates
-  MapRows raw_risks_;   // relative risk of the entries
-  MapRows risks_;       // the same, smoothed, then the choice
+  std::vector<std::unique_ptr<Run>> runs_;  // the frame's own first, then the draws of a Monte Carlo risk
+  int entries_ = 0;
+  MapRows raw_risks_;  // relative risk of the entries
+  MapRows risks_;      // the same, smoothed, then the choice
   MapRows weights_;
   MapRows raw_errors_;                     // risk of the mixture per channel
   MapRows errors_;                         // the same, smoothed

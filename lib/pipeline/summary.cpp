@@ -101,9 +101,6 @@ void add_warnings(const Frame& frame, DenoiseReport& report) {
          "was given");
   }
   if (frame.features.empty()) warn(report, "there are no features; edges are not protected");
-  if (std::any_of(frame.features.begin(), frame.features.end(), [](const Feature& f) { return !f.variance.empty(); })) {
-    warn(report, "the risk is plain SURE: where colour and features are noisy together the estimated error is too low");
-  }
 }
 
 }  // namespace
@@ -114,7 +111,6 @@ void summarise(const Source& source, const DenoiseParams& params, exec::Runner& 
   DenoiseReport& report = result.report;
   fill_density(source, result.density);
   report.candidates = candidate_names(params.filter);
-  report.risk = "SURE";
   report.instruction_set = kernels::instruction_set();
   std::vector<RowSums> rows(static_cast<std::size_t>(frame.height));
   runner.for_each(frame.height, progress_weight, [&](int y, int) {

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "prefilter/direction.hpp"
+
 namespace stein {
 namespace {
 
@@ -38,6 +40,29 @@ float quantile(std::vector<float>& values, double fraction) {
   std::nth_element(values.begin(), nth, values.end());
   return *nth;
 }
+
+// A covariance of two means cannot exceed their standard deviations (Cauchy-Schwarz); what is no number counts as 0.
+float bounded_covariance(float covariance, float variance_a, float variance_b) {
+  const float limit = std::sqrt(variance_a) * std::sqrt(variance_b);
+  if (!(limit > 0.0F) || !std::isfinite(covariance)) return 0.0F;
+  return std::clamp(covariance, -limit, limit);
+}
+
+// Factors of the colour's covariance at pixels of one row.
+class FactorRow {
+ public:
+  FactorRow(const Source& source, int y, int x, int count) {
+    constexpr std::pair<std::size_t, std::size_t> kPairs[6] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
+    for (std::size_t p = 0; p < 6; ++p)
+      source.colour_covariance_row(kPairs[p].first, kPairs[p].second, y, x, count, entry_[p]);
+  }
+  [[nodiscard]] ColourFactor operator[](int i) const {
+    return {entry_[0][i], entry_[1][i], entry_[2][i], entry_[3][i], entry_[4][i], entry_[5][i]};
+  }
+
+ private:
+  float entry_[6][kChunk];
+};
 
 }  // namespace
 
@@ -84,14 +109,92 @@ void Source::for_each_replaced(int y, int x, int count, Visit visit) const {
   }
 }
 
+Source Source::perturbed(const Perturbation& perturbation) const {
+  Source moved = *this;
+  moved.perturbation_ = perturbation;
+  return moved;
+}
+
 void Source::colour_row(std::size_t channel, int y, int x, int count, float* out) const {
   frame_.colour[channel].read_row(y, x, count, out);
+  if (perturbation_) {
+    float b[kChunk];
+    for (int start = 0; start < count; start += kChunk) {
+      const int part = std::min(kChunk, count - start);
+      direction_row(channel, y, x + start, part, b);
+      for (int i = 0; i < part; ++i) out[start + i] += perturbation_->step * b[i];
+    }
+  }
   for_each_replaced(y, x, count, [&](const ReplacedPixel& p, int i) { out[i] = p.colour[channel]; });
 }
 
 void Source::variance_row(std::size_t channel, int y, int x, int count, float* out) const {
   frame_.colour_variance[channel].read_row(y, x, count, out);
   for_each_replaced(y, x, count, [&](const ReplacedPixel&, int i) { out[i] = 0.0F; });
+}
+
+void Source::colour_covariance_row(std::size_t a, std::size_t b, int y, int x, int count, float* out) const {
+  if (a == b) return variance_row(a, y, x, count, out);
+  const ConstPlaneView& plane = frame_.colour_covariance[a + b - 1];  // R.G, R.B, G.B
+  std::fill_n(out, count, 0.0F);
+  if (!plane) return;
+  float va[kChunk];
+  float vb[kChunk];
+  for (int start = 0; start < count; start += kChunk) {
+    const int part = std::min(kChunk, count - start);
+    variance_row(a, y, x + start, part, va);
+    variance_row(b, y, x + start, part, vb);
+    plane.read_row(y, x + start, part, out + start);
+    for (int i = 0; i < part; ++i) out[start + i] = bounded_covariance(out[start + i], va[i], vb[i]);
+  }
+}
+
+void Source::feature_covariance_row(std::size_t channel, std::size_t feature, std::size_t k, float factor, int y, int x,
+                                    int count, float* out) const {
+  const Feature& source = frame_.features[feature];
+  std::fill_n(out, count, 0.0F);
+  if (source.colour_covariance.empty() || source.variance.empty()) return;
+  const ConstPlaneView& plane = source.colour_covariance[channel * source.mean.size() + k];
+  float va[kChunk];
+  float vb[kChunk];
+  for (int start = 0; start < count; start += kChunk) {
+    const int part = std::min(kChunk, count - start);
+    variance_row(channel, y, x + start, part, va);
+    source.variance[k].read_row(y, x + start, part, vb);
+    plane.read_row(y, x + start, part, out + start);
+    for (int i = 0; i < part; ++i)
+      out[start + i] = bounded_covariance(out[start + i], va[i], vb[i]) * (feature_scales_[feature] * factor);
+    if (feature_has_bad_[feature] == 0) continue;
+    feature_validity_row(source, y, x + start, part, va);
+    for (int i = 0; i < part; ++i) out[start + i] = va[i] != 0.0F ? out[start + i] : 0.0F;
+  }
+}
+
+void Source::direction_row(std::size_t channel, int y, int x, int count, float* out) const {
+  for (int start = 0; start < count; start += kChunk) {
+    const int part = std::min(kChunk, count - start);
+    const FactorRow factors(*this, y, x + start, part);
+    for (int i = 0; i < part; ++i) {
+      const auto z = random_signs(perturbation_->seed, perturbation_->draw, x + start + i, y);
+      out[start + i] = factors[i].colour(channel, z);
+    }
+  }
+}
+
+// Moves channel k of a feature, in units of `factor` times normalised ones, along the perturbation's direction.
+void Source::add_step(std::size_t feature, std::size_t k, float factor, int y, int x, int count, float* mean) const {
+  float covariance[3][kChunk];
+  for (int start = 0; start < count; start += kChunk) {
+    const int part = std::min(kChunk, count - start);
+    const FactorRow factors(*this, y, x + start, part);
+    for (std::size_t c = 0; c < 3; ++c)
+      feature_covariance_row(c, feature, k, factor, y, x + start, part, covariance[c]);
+    for (int i = 0; i < part; ++i) {
+      const auto z = random_signs(perturbation_->seed, perturbation_->draw, x + start + i, y);
+      mean[start + i] +=
+          perturbation_->step * factors[i].feature(covariance[0][i], covariance[1][i], covariance[2][i], z);
+    }
+  }
 }
 
 void Source::input_row(std::size_t channel, int y, int x, int count, float* mean, float* variance) const {
@@ -117,6 +220,7 @@ void Source::feature_row(std::size_t feature, float factor, int y, int x, int co
   for (std::size_t k = 0; k < channels; ++k) {
     source.mean[k].read_row(y, x, count, means[k]);
     for (int i = 0; i < count; ++i) means[k][i] = std::clamp(means[k][i] * (scale * factor), -kLargest, kLargest);
+    if (perturbation_) add_step(feature, k, factor, y, x, count, means[k]);
   }
   std::fill_n(variance, count, 0.0F);
   float n[kChunk];

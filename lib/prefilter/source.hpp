@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/validity.hpp"
@@ -31,10 +32,21 @@ struct ReplacedPixel {
 /// others.
 [[nodiscard]] float feature_range(const Feature& feature);
 
+/// A random step of the whole input: pixel by pixel `step` times a direction b of +-1 standard deviations that has the
+/// joint covariance of its colour and features (all of the mean), and covariance 0 with any other pixel's.
+struct Perturbation {
+  std::uint64_t seed = 0;
+  int draw = 0;
+  float step = 0;
+};
+
 class Source {
  public:
   /// Views `frame`, which must outlive this.
   Source(const Frame& frame, const FrameReport& report);
+
+  /// The same frame, with colours and features moved by the perturbation; variances and scales stay what they are.
+  [[nodiscard]] Source perturbed(const Perturbation& perturbation) const;
 
   /// Adds pixels that shall be seen with another colour; `pixels` in row order.
   void replace(const std::vector<ReplacedPixel>& pixels);
@@ -48,6 +60,15 @@ class Source {
   /// Variance of the mean that the filtered colour's own dependence on the pixel has to be weighted with: 0 at replaced
   /// pixels, whose brightness no longer depends on their samples.
   void variance_row(std::size_t channel, int y, int x, int count, float* out) const;
+  /// Covariance of the means of two colour channels, the variance where they are the same; 0 where it is unknown and at
+  /// replaced pixels. Bounded by the two standard deviations.
+  void colour_covariance_row(std::size_t a, std::size_t b, int y, int x, int count, float* out) const;
+  /// Covariance of the mean of a colour channel with the mean of channel k of a feature in normalised units, times
+  /// `factor`; 0 and bounded as above, and 0 where the feature is unusable.
+  void feature_covariance_row(std::size_t channel, std::size_t feature, std::size_t k, float factor, int y, int x,
+                              int count, float* out) const;
+  /// The direction b of a perturbed source, in a colour channel; 0 at replaced pixels.
+  void direction_row(std::size_t channel, int y, int x, int count, float* out) const;
   /// The frame's own colour mean and variance of the mean, for the risk; at invalid pixels the fill and 0.
   void input_row(std::size_t channel, int y, int x, int count, float* mean, float* variance) const;
   /// 1 at valid pixels, 0 at invalid ones.
@@ -61,12 +82,14 @@ class Source {
  private:
   template <class Visit>
   void for_each_replaced(int y, int x, int count, Visit visit) const;
+  void add_step(std::size_t feature, std::size_t k, float factor, int y, int x, int count, float* mean) const;
 
   const Frame& frame_;
   std::vector<float> feature_scales_;
   std::vector<std::uint8_t> feature_has_bad_;
   std::vector<ReplacedPixel> replaced_;    // in row order
   std::vector<std::size_t> first_in_row_;  // height + 1 indices into replaced_; empty while there are none
+  std::optional<Perturbation> perturbation_;
 };
 
 }  // namespace stein

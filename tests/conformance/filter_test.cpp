@@ -39,8 +39,20 @@ bool identical(const BankResult& a, const BankResult& b) { return difference(a, 
 
 // Parameters that are in units of radiance follow the image's scale.
 FilterSpec scaled(FilterSpec spec, float factor) {
-  std::visit([&](auto& params) { params.range_sigma *= factor; }, spec);
+  std::visit(
+      [&](auto& params) {
+        if constexpr (requires { params.range_sigma; }) params.range_sigma *= factor;
+      },
+      spec);
   return spec;
+}
+
+// The power of the colour that a plane is of: its unit.
+int colours_in(const std::string& name) {
+  if (name.size() == 1) return 1;
+  if (name.rfind("variance.", 0) == 0) return 2;
+  if (name.rfind("covariance.", 0) == 0) return name.size() == std::string("covariance.R.G").size() ? 2 : 1;
+  return 0;
 }
 
 std::vector<FilterSpec> specs() {
@@ -77,7 +89,9 @@ std::vector<ConstPlaneView*> all_planes(Frame& frame) {
   for (Feature& feature : frame.features) {
     for (ConstPlaneView& plane : feature.mean) planes.push_back(&plane);
     for (ConstPlaneView& plane : feature.variance) planes.push_back(&plane);
+    for (ConstPlaneView& plane : feature.colour_covariance) planes.push_back(&plane);
   }
+  for (ConstPlaneView& plane : frame.colour_covariance) planes.push_back(&plane);
   return planes;
 }
 
@@ -119,12 +133,9 @@ TEST_CASE("every filter: scaling the colour by k and the variance by k^2 scales 
       OwnedFrame frame(41, 23, kUsualFeatures);
       fill_random(frame, 21);
       const BankResult plain = run_filter(spec, frame.frame());
-      for (const char* c : {"R", "G", "B"}) {
+      for (const std::string& name : frame.names()) {
         for (int y = 0; y < 23; ++y) {
-          for (int x = 0; x < 41; ++x) {
-            frame.at(c, x, y) *= k;
-            frame.at(std::string("variance.") + c, x, y) *= k * k;
-          }
+          for (int x = 0; x < 41; ++x) frame.at(name, x, y) *= std::pow(k, static_cast<float>(colours_in(name)));
         }
       }
       CHECK(difference(plain, run_filter(scaled(spec, k), frame.frame()), k, kSamePixel) < 2e-4);
@@ -185,10 +196,10 @@ TEST_CASE("every filter: tiles of any size give identical bits") {
     OwnedFrame frame(150, 70, kUsualFeatures);
     fill_random(frame, 24);
     frame.at("R", 70, 30) = std::numeric_limits<float>::quiet_NaN();
-    const BankResult reference = run_filter(spec, frame.frame(), 160, 70);
-    CHECK(identical(reference, run_filter(spec, frame.frame(), 16, 1)));
-    CHECK(identical(reference, run_filter(spec, frame.frame(), 48, 13)));
-    CHECK(identical(reference, run_filter(spec, frame.frame(), 128, 32)));
+    const BankResult reference = run_filter(spec, frame.frame(), {160, 70});
+    CHECK(identical(reference, run_filter(spec, frame.frame(), {16, 1})));
+    CHECK(identical(reference, run_filter(spec, frame.frame(), {48, 13})));
+    CHECK(identical(reference, run_filter(spec, frame.frame(), {128, 32})));
   }
 }
 

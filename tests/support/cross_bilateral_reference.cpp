@@ -14,7 +14,8 @@ bool is_valid(const Frame& frame, int x, int y) {
 }
 
 // D^2 of SBF Eq. 6 over 2 sigma_f^2, summed over the features.
-double feature_distance(const CrossBilateralParams& params, const Source& source, int xi, int yi, int xj, int yj) {
+double feature_distance(const CrossBilateralParams& params, const Source& source, int xi, int yi, int xj, int yj,
+                        const Nudge& nudge) {
   double sum = 0;
   const std::vector<Feature>& features = source.frame().features;
   for (std::size_t f = 0; f < features.size(); ++f) {
@@ -30,8 +31,10 @@ double feature_distance(const CrossBilateralParams& params, const Source& source
     double squared = 0;
     double variance = 0;
     for (std::size_t k = 0; k < features[f].mean.size(); ++k) {
+      const bool is_self = xi == xj && yi == yj;
+      const double step = nudge.features.empty() || is_self ? 0.0 : nudge.features[f][k];
       const double difference =
-          scale * (static_cast<double>(features[f].mean[k].at(xi, yi)) - features[f].mean[k].at(xj, yj));
+          scale * (static_cast<double>(features[f].mean[k].at(xi, yi)) + step - features[f].mean[k].at(xj, yj));
       squared += difference * difference;
       if (features[f].variance.empty()) continue;
       float ni = 0;
@@ -50,46 +53,98 @@ double feature_distance(const CrossBilateralParams& params, const Source& source
 
 }  // namespace
 
-PixelResult cross_bilateral_reference(const CrossBilateralParams& params, const Source& source, double sigma_s, int x,
-                                      int y, const std::array<double, 3>& nudge) {
+std::array<double, 3> cross_bilateral_reference(const CrossBilateralParams& params, const Source& source,
+                                                double sigma_s, int x, int y, const Nudge& nudge) {
   const Frame& frame = source.frame();
   const auto colour = [&](int px, int py, std::size_t c) {
     float value = 0;
     source.colour_row(c, py, px, 1, &value);
-    return value + (px == x && py == y ? nudge[c] : 0.0);
+    return value + (px == x && py == y ? nudge.colour[c] : 0.0);
   };
   double weight_sum = 0;
   std::array<double, 3> sum{};
-  std::array<double, 3> sum_of_squares{};
   const double radius = 2.0 * sigma_s;
   const int r = static_cast<int>(radius);
   for (int py = std::max(y - r, 0); py <= std::min(y + r, frame.height - 1); ++py) {
     for (int px = std::max(x - r, 0); px <= std::min(x + r, frame.width - 1); ++px) {
       const double distance2 = static_cast<double>((px - x) * (px - x) + (py - y) * (py - y));
       if (distance2 > radius * radius || !is_valid(frame, px, py)) continue;
-      double exponent = distance2 / (2.0 * sigma_s * sigma_s) + feature_distance(params, source, x, y, px, py);
+      double exponent = distance2 / (2.0 * sigma_s * sigma_s) + feature_distance(params, source, x, y, px, py, nudge);
       for (std::size_t c = 0; c < 3 && params.range_sigma > 0; ++c) {
         const double difference = colour(x, y, c) - colour(px, py, c);
         exponent += difference * difference / (2.0 * params.range_sigma * params.range_sigma);
       }
       const double weight = std::exp(-exponent);
       weight_sum += weight;
-      for (std::size_t c = 0; c < 3; ++c) {
-        sum[c] += weight * colour(px, py, c);
-        sum_of_squares[c] += weight * colour(px, py, c) * colour(px, py, c);
-      }
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * colour(px, py, c);
     }
   }
-  PixelResult pixel;
+  std::array<double, 3> result{};
+  for (std::size_t c = 0; c < 3; ++c) result[c] = weight_sum > 0 ? sum[c] / weight_sum : colour(x, y, c);
+  return result;
+}
+
+namespace {
+
+// Covariance of colour channel c with every input of the pixel itself: colours first, then all feature channels.
+struct OwnInputs {
+  std::vector<double> covariance;
+  std::vector<std::pair<std::size_t, std::size_t>> feature;  // [i - 3]: feature and channel
+};
+
+OwnInputs own_inputs(const Source& source, std::size_t c, int x, int y, Divergence divergence) {
+  const bool is_joint = divergence == Divergence::kJoint;
+  const Frame& frame = source.frame();
+  OwnInputs inputs;
+  float own = 0;
+  source.variance_row(c, y, x, 1, &own);  // 0 at replaced pixels, which do not depend on their samples
+  for (std::size_t other = 0; other < 3; ++other) {
+    const ConstPlaneView& plane = frame.colour_covariance[other == c ? 0 : c + other - 1];
+    const bool is_known = is_joint && plane && own > 0;
+    inputs.covariance.push_back(other == c ? static_cast<double>(own) : is_known ? plane.at(x, y) : 0.0);
+  }
+  for (std::size_t f = 0; f < frame.features.size(); ++f) {
+    const Feature& feature = frame.features[f];
+    float valid = 0;
+    feature_validity_row(feature, y, x, 1, &valid);
+    for (std::size_t k = 0; k < feature.mean.size(); ++k) {
+      const bool is_known = is_joint && !feature.colour_covariance.empty() && own > 0 && valid != 0;
+      inputs.covariance.push_back(is_known ? feature.colour_covariance[c * feature.mean.size() + k].at(x, y) : 0.0);
+      inputs.feature.emplace_back(f, k);
+    }
+  }
+  return inputs;
+}
+
+Nudge nudge_of(const Frame& frame, const OwnInputs& inputs, std::size_t input, double step) {
+  Nudge nudge;
+  for (const Feature& feature : frame.features) nudge.features.emplace_back(feature.mean.size(), 0.0);
+  if (input < 3) {
+    nudge.colour[input] = step;
+  } else {
+    const auto [f, k] = inputs.feature[input - 3];
+    nudge.features[f][k] = step;
+  }
+  return nudge;
+}
+
+}  // namespace
+
+std::array<double, 3> divergence_reference(const CrossBilateralParams& params, const Source& source, double sigma_s,
+                                           int x, int y, Divergence divergence) {
+  constexpr double kStep = 1e-5;
+  std::array<double, 3> sum{};
   for (std::size_t c = 0; c < 3; ++c) {
-    pixel.result[c] = weight_sum > 0 ? sum[c] / weight_sum : colour(x, y, c);
-    pixel.derivative[c] = weight_sum > 0 ? 1.0 / weight_sum : 0.0;
-    if (params.range_sigma > 0 && weight_sum > 0) {
-      const double spread = sum_of_squares[c] / weight_sum - pixel.result[c] * pixel.result[c];
-      pixel.derivative[c] += spread / (static_cast<double>(params.range_sigma) * params.range_sigma);
+    const OwnInputs inputs = own_inputs(source, c, x, y, divergence);
+    for (std::size_t i = 0; i < inputs.covariance.size(); ++i) {
+      if (inputs.covariance[i] == 0.0) continue;
+      const auto at = [&](double step) {
+        return cross_bilateral_reference(params, source, sigma_s, x, y, nudge_of(source.frame(), inputs, i, step))[c];
+      };
+      sum[c] += (at(kStep) - at(-kStep)) / (2.0 * kStep) * inputs.covariance[i];
     }
   }
-  return pixel;
+  return sum;
 }
 
 }  // namespace stein::test

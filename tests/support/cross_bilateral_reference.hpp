@@ -4,19 +4,27 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
+#include "filters/guide_rows.hpp"
 #include "prefilter/source.hpp"
 #include "stein/filters.hpp"
 
 namespace stein::test {
 
-struct PixelResult {
-  std::array<double, 3> result{};
-  std::array<double, 3> derivative{};  ///< dF_c / dc_c of the pixel itself
+/// Added to the pixel's own means: for finite differences.
+struct Nudge {
+  std::array<double, 3> colour{};
+  std::vector<std::vector<double>> features;  ///< [feature][channel], in the frame's units; empty: none
 };
 
-/// SBF Eq. 4 to 8. `nudge` is added to the colour of the pixel itself: for finite differences.
-PixelResult cross_bilateral_reference(const CrossBilateralParams& params, const Source& source, double sigma_s, int x,
-                                      int y, const std::array<double, 3>& nudge = {});
+/// SBF Eq. 4 to 6.
+std::array<double, 3> cross_bilateral_reference(const CrossBilateralParams& params, const Source& source,
+                                                double sigma_s, int x, int y, const Nudge& nudge = {});
+
+/// Joint SURE Eq. 2, both derivative terms of each channel, by central differences of the above; the plain form takes
+/// each channel's own variance only.
+std::array<double, 3> divergence_reference(const CrossBilateralParams& params, const Source& source, double sigma_s,
+                                           int x, int y, Divergence divergence);
 
 }  // namespace stein::test

@@ -10,6 +10,12 @@
 
 namespace stein::test {
 
+namespace {
+
+constexpr std::array<const char*, 3> kRgb = {"R", "G", "B"};
+
+}  // namespace
+
 double Random::uniform() {  // SplitMix64
   std::uint64_t z = (state_ += 0x9E3779B97F4A7C15ULL);
   z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
@@ -22,10 +28,9 @@ double Random::normal() {  // Box-Muller
   return radius * std::cos(2.0 * std::numbers::pi * uniform());
 }
 
-OwnedFrame::OwnedFrame(int width, int height, const std::vector<FeatureShape>& features) {
+OwnedFrame::OwnedFrame(int width, int height, const std::vector<FeatureShape>& features, bool has_covariances) {
   frame_.width = width;
   frame_.height = height;
-  constexpr std::array<const char*, 3> kRgb = {"R", "G", "B"};
   for (std::size_t c = 0; c < 3; ++c) {
     frame_.colour[c] = add(kRgb[c], 0.5F);
     frame_.colour_variance[c] = add(std::string("variance.") + kRgb[c], 0.01F);
@@ -40,6 +45,20 @@ OwnedFrame::OwnedFrame(int width, int height, const std::vector<FeatureShape>& f
       feature.variance.push_back(add(plane_name(feature, k, true), 0.001F));
     }
     frame_.features.push_back(std::move(feature));
+  }
+  if (has_covariances) add_covariances();
+}
+
+void OwnedFrame::add_covariances() {
+  frame_.colour_covariance = {add("covariance.R.G", 0.005F), add("covariance.R.B", 0.005F),
+                              add("covariance.G.B", 0.005F)};
+  for (Feature& feature : frame_.features) {
+    for (const char* c : kRgb) {
+      for (std::size_t k = 0; k < feature.mean.size(); ++k) {
+        const std::string name = std::string("covariance.") + c + "." + plane_name(feature, k, false);
+        feature.colour_covariance.push_back(add(name, 0.001F));
+      }
+    }
   }
 }
 
@@ -68,6 +87,7 @@ void fill_random(OwnedFrame& target, std::uint64_t seed) {
   for (const std::string& name : target.names()) {
     if (name == "sampleCount") continue;
     const bool is_variance = name.find("variance") != std::string::npos;
+    const bool is_covariance = name.rfind("covariance.", 0) == 0;
     const bool is_colour = name.size() == 1;
     const double left = random.uniform();
     const double right = random.uniform();
@@ -75,6 +95,10 @@ void fill_random(OwnedFrame& target, std::uint64_t seed) {
       for (int x = 0; x < target.frame().width; ++x) {
         const double base = 3 * x + 2 * y < target.frame().width + target.frame().height ? left : right;
         const double noise = random.normal();
+        if (is_covariance) {  // below the least of the variances, so below any product of standard deviations
+          target.at(name, x, y) = static_cast<float>(0.0018 * (2.0 * random.uniform() - 1.0));
+          continue;
+        }
         const double value = is_variance ? 0.002 * (1.0 + random.uniform()) : base + (is_colour ? 0.3 : 0.05) * noise;
         target.at(name, x, y) = static_cast<float>(value);
       }
@@ -82,22 +106,27 @@ void fill_random(OwnedFrame& target, std::uint64_t seed) {
   }
 }
 
-BankResult run_filter(const FilterSpec& spec, const Frame& frame, int tile_width, int tile_height) {
-  const Source source(frame, inspect(frame));
+BankResult run_filter(const FilterSpec& spec, const Frame& frame, const RunOptions& options) {
+  const Source own(frame, inspect(frame));
+  const Source source = options.perturbation ? own.perturbed(*options.perturbation) : own;
   const GuideRows guides = make_guides(spec, source, frame.height);
   guides.prepare({0, 0, frame.width, frame.height});
-  const auto filter = prepare(spec, {source, guides, tile_width, tile_height});
+  const auto filter =
+      prepare(spec, {source, guides, options.tile_width, options.tile_height, frame.height, options.divergence});
   const exec::RowRing ring(filter->candidates() * CandidateRows::kPlanes, frame.width, frame.height);
   const CandidateRows rows(ring);
   FilterScratch scratch;
-  for (int y = 0; y < frame.height; y += tile_height) {
-    for (int x = 0; x < frame.width; x += tile_width) {
-      filter->run({x, y, std::min(x + tile_width, frame.width), std::min(y + tile_height, frame.height)}, scratch,
-                  rows);
+  for (std::size_t pass = 0; pass < halos(spec).size(); ++pass) {
+    for (int y = 0; y < frame.height; y += options.tile_height) {
+      for (int x = 0; x < frame.width; x += options.tile_width) {
+        const Rect tile{x, y, std::min(x + options.tile_width, frame.width),
+                        std::min(y + options.tile_height, frame.height)};
+        filter->run(static_cast<int>(pass), tile, scratch, rows);
+      }
     }
   }
   BankResult bank;
-  bank.halo = halo(spec);
+  bank.halo = reach(spec);
   for (int s = 0; s < filter->candidates(); ++s) {
     std::array<Plane, 3> result;
     std::array<Plane, 3> divergence;

@@ -6,9 +6,11 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "filters/filter.hpp"
 #include "stein/filters.hpp"
 #include "stein/frame.hpp"
 
@@ -31,10 +33,10 @@ struct FeatureShape {
 };
 
 /// A frame that owns its planes. Planes are found by name ("R", "variance.G", "normal.X", "normal.variance.X",
-/// "sampleCount").
+/// "sampleCount", "covariance.R.G", "covariance.R.normal.X").
 class OwnedFrame {
  public:
-  OwnedFrame(int width, int height, const std::vector<FeatureShape>& features);
+  OwnedFrame(int width, int height, const std::vector<FeatureShape>& features, bool has_covariances = true);
   OwnedFrame(const OwnedFrame&) = delete;
   OwnedFrame& operator=(const OwnedFrame&) = delete;
 
@@ -46,6 +48,7 @@ class OwnedFrame {
 
  private:
   ConstPlaneView add(const std::string& name, float value);
+  void add_covariances();
 
   Frame frame_;
   std::deque<std::pair<std::string, Plane>> planes_;
@@ -77,6 +80,12 @@ struct BankResult {
 };
 
 /// Runs a filter over the whole frame in tiles, in one thread.
-BankResult run_filter(const FilterSpec& spec, const Frame& frame, int tile_width = 64, int tile_height = 32);
+struct RunOptions {
+  int tile_width = 64;
+  int tile_height = 32;
+  Divergence divergence = Divergence::kJoint;
+  std::optional<Perturbation> perturbation = std::nullopt;
+};
+BankResult run_filter(const FilterSpec& spec, const Frame& frame, const RunOptions& options = {});
 
 }  // namespace stein::test

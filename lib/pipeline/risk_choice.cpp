@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/risk_choice.hpp"
+
+#include <algorithm>
+
+#include "stein/error.hpp"
+
+namespace stein {
+namespace {
+
+// What the filter is guided by and is noisy, by whether its covariance with the colour is known.
+struct NoisyGuides {
+  std::vector<std::string> known;
+  std::vector<std::string> unknown;
+};
+
+NoisyGuides noisy_guides(const Frame& frame, const FilterSpec& spec) {
+  NoisyGuides noisy;
+  std::visit(
+      [&](const auto& params) {
+        if constexpr (requires { params.guides; }) {
+          for (const Feature& feature : frame.features) {
+            if (params.guides.sigma_of(feature.name) <= 0.0F || feature.variance.empty()) continue;
+            (feature.colour_covariance.empty() ? noisy.unknown : noisy.known).push_back(feature.name);
+          }
+        }
+        if constexpr (requires { params.range_sigma; }) {
+          if (params.range_sigma > 0.0F)
+            (frame.colour_covariance[0] ? noisy.known : noisy.unknown).emplace_back("the colour channels");
+        }
+      },
+      spec);
+  return noisy;
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+bool has_any_covariance(const Frame& frame) {
+  return frame.colour_covariance[0] || std::any_of(frame.features.begin(), frame.features.end(),
+                                                   [](const Feature& f) { return !f.colour_covariance.empty(); });
+}
+
+void require_closed_form(const DenoiseParams& params) {
+  if (params.risk == Risk::kAuto || params.risk == Risk::kMonteCarlo || has_derivative(params.filter)) return;
+  throw Error(ErrorCode::kInvalidArgument, "the filter '" + std::string(filter_name(params.filter)) +
+                                               "' has no risk in closed form; choose the Monte Carlo risk");
+}
+
+void require_covariances(const Frame& frame, const NoisyGuides& noisy) {
+  if (noisy.unknown.empty()) return;
+  throw Error(ErrorCode::kInvalidFrame, (frame.origin.empty() ? std::string("frame") : frame.origin) +
+                                            ": the joint risk needs the covariances of the colour with " +
+                                            joined(noisy.unknown) +
+                                            ", which are missing; supply them, or choose the plain risk");
+}
+
+RiskChoice monte_carlo(const Frame& frame, const NoisyGuides& noisy, std::string reason) {
+  RiskChoice choice{Risk::kMonteCarlo,
+                    has_any_covariance(frame) ? "Monte Carlo joint SURE" : "Monte Carlo SURE",
+                    std::move(reason),
+                    {}};
+  if (!noisy.unknown.empty()) {
+    choice.warnings.push_back("the covariances of the colour with " + joined(noisy.unknown) +
+                              " are missing and count as 0: where they are noisy together with the colour the "
+                              "estimated error is too low");
+  }
+  return choice;
+}
+
+RiskChoice closed_form(const NoisyGuides& noisy, Risk wanted) {
+  RiskChoice choice;
+  if (wanted == Risk::kPlain || noisy.known.empty()) {
+    choice = {Risk::kPlain, "SURE", "", {}};
+    choice.reason = wanted == Risk::kPlain   ? "it was asked for"
+                    : !noisy.unknown.empty() ? "covariances with the colour are missing"
+                                             : "nothing that guides the filter is noisy";
+    const std::vector<std::string>& left_out = noisy.known.empty() ? noisy.unknown : noisy.known;
+    if (!left_out.empty()) {
+      choice.warnings.push_back("the risk is plain SURE, without the covariances of the colour with " +
+                                joined(left_out) + ": where they are noisy together the estimated error is too low");
+    }
+    return choice;
+  }
+  choice = {
+      Risk::kJoint, "joint SURE", wanted == Risk::kJoint ? "it was asked for" : "the frame has the covariances", {}};
+  if (!noisy.unknown.empty()) {
+    choice.warnings.push_back("the covariances of the colour with " + joined(noisy.unknown) +
+                              " are missing and count as 0: where they are noisy together with the colour the "
+                              "estimated error is too low");
+  }
+  return choice;
+}
+
+}  // namespace
+
+RiskChoice choose_risk(const Frame& frame, const DenoiseParams& params) {
+  require_closed_form(params);
+  const NoisyGuides noisy = noisy_guides(frame, params.filter);
+  if (params.risk == Risk::kMonteCarlo) return monte_carlo(frame, noisy, "it was asked for");
+  if (!has_derivative(params.filter)) return monte_carlo(frame, noisy, "the filter has no closed form");
+  if (params.risk == Risk::kJoint) require_covariances(frame, noisy);
+  return closed_form(noisy, params.risk);
+}
+
+}  // namespace stein

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "stein/denoise.hpp"
+
+namespace stein {
+
+/// The risk estimate that a run uses.
+struct RiskChoice {
+  Risk method = Risk::kPlain;  ///< never kAuto
+  std::string name;
+  std::string reason;
+  std::vector<std::string> warnings;
+};
+
+/// @throws Error kInvalidArgument where the filter cannot do what `params` asks for, kInvalidFrame where the frame
+/// lacks what it takes.
+[[nodiscard]] RiskChoice choose_risk(const Frame& frame, const DenoiseParams& params);
+
+}  // namespace stein
