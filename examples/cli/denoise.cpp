@@ -105,8 +105,9 @@ void run_denoise(const DenoiseOptions& options) {
   Seconds seconds;
   Stopwatch watch;
   progress->show(0);
-  const exr::LoadedFrame input = exr::read_frame(
-      options.input, {.samples_per_pixel = options.samples, .read_covariances = false});  // plain SURE knows none
+  const bool needs_covariances = params.risk != Risk::kPlain;
+  const exr::LoadedFrame input =
+      exr::read_frame(options.input, {.samples_per_pixel = options.samples, .read_covariances = needs_covariances});
   check_feature_names(options, input.frame());
   check_budget(options, input.frame());
   check_not_interrupted();

@@ -18,6 +18,7 @@ constexpr const char* kFooter =
     "Examples:\n"
     "  stein denoise noisy.exr -o clean.exr\n"
     "  stein denoise noisy.exr -o clean.exr --samples 16 --json report.json --quiet\n"
+    "  stein denoise noisy.exr -o clean.exr --filter gaussian --risk monte-carlo\n"
     "  stein denoise noisy.exr -o clean.exr --feature-sigma normal=0.4,albedo=0.1\n"
     "  stein denoise pass1.exr -o next.exr --bank intermediate --budget 1000000 --min-samples 1 --max-samples 64";
 
@@ -47,6 +48,13 @@ void declare(CLI::App& verb, DenoiseOptions& options) {
   declare(verb, options.filter);
   verb.add_option("--samples", options.samples, "Samples per pixel, for files that do not say")
       ->check(CLI::PositiveNumber);
+  verb.add_option("--risk", options.risk,
+                  "How errors are estimated: sure and joint in closed form (joint: with the file's covariances), "
+                  "monte-carlo by runs on perturbed input; auto: the best that filter and file allow")
+      ->check(CLI::IsMember({"auto", "sure", "joint", "monte-carlo"}))
+      ->capture_default_str();
+  verb.add_option("--draws", options.draws, "Runs on perturbed input, for the Monte Carlo risk")->capture_default_str();
+  verb.add_option("--seed", options.seed, "Of the perturbations")->capture_default_str();
   verb.add_option("--selection", options.selection, "How one image is made of the candidates")
       ->check(CLI::IsMember({"blend", "argmin"}))
       ->capture_default_str();
@@ -62,9 +70,22 @@ void declare(CLI::App& verb, DenoiseOptions& options) {
   verb.footer(kFooter);
 }
 
+namespace {
+
+Risk risk_of(const std::string& name) {
+  if (name == "sure") return Risk::kPlain;
+  if (name == "joint") return Risk::kJoint;
+  return name == "monte-carlo" ? Risk::kMonteCarlo : Risk::kAuto;
+}
+
+}  // namespace
+
 DenoiseParams denoise_params(const DenoiseOptions& options) {
   DenoiseParams params;
   params.filter = filter_spec(options.filter);
+  params.risk = risk_of(options.risk);
+  params.monte_carlo.draws = options.draws;
+  params.monte_carlo.seed = options.seed;
   params.selection = options.selection == "argmin" ? Selection::kArgmin : Selection::kBlend;
   params.strength = options.strength;
   params.strict = options.strict;

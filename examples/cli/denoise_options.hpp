@@ -18,6 +18,9 @@ struct DenoiseOptions {
   std::string output;
   std::string json;
   FilterOptions filter;
+  std::string risk = "auto";
+  int draws = MonteCarloParams{}.draws;
+  std::uint64_t seed = MonteCarloParams{}.seed;
   std::string selection = "blend";
   float strength = 1;
   float samples = 0;

@@ -97,7 +97,8 @@ void print_summary(const DenoiseSummary& summary) {
   print_line("samples", samples_text(summary.input.frame()));
   print_mapping(summary.input);
   print_repairs(summary);
-  print_line("filter", summary.filter + ", chosen by " + report.risk);
+  print_line("filter", summary.filter);
+  print_line("risk", report.risk + ": " + report.risk_reason);
   for (std::size_t i = 0; i < report.choice_share.size() && i < report.candidates.size(); ++i) {
     std::printf("%-9s %5.1f %% %s\n", i == 0 ? "choice" : "", 100 * report.choice_share[i],
                 report.candidates[i].c_str());
@@ -120,6 +121,7 @@ nlohmann::ordered_json to_json(const DenoiseSummary& summary) {
           {"height", frame.height},
           {"filter", summary.filter},
           {"risk", report.risk},
+          {"risk_reason", report.risk_reason},
           {"threads", summary.threads},
           {"instruction_set", report.instruction_set},
           {"seconds", seconds_json(summary)},

@@ -69,6 +69,10 @@ void check_feature(const Frame& frame, const Feature& feature) {
     fail(frame, "feature '" + feature.name + "' has " + std::to_string(channels) + " means but " +
                     std::to_string(feature.variance.size()) + " variances; supply one variance per channel or none");
   }
+  if (!feature.colour_covariance.empty() && feature.variance.empty()) {
+    fail(frame, "feature '" + feature.name +
+                    "' has covariances with the colour but no variances; supply its variances, or neither");
+  }
   if (!feature.colour_covariance.empty() && feature.colour_covariance.size() != 3 * channels) {
     fail(frame, "feature '" + feature.name + "' has " + std::to_string(feature.colour_covariance.size()) +
                     " covariances with the colour; supply three per channel or none");
@@ -130,6 +134,10 @@ void require_clean(const Frame& frame, const FrameReport& report) {
   if (report.invalid_pixels > 0) {
     fail(frame, describe(report.first_invalid) + "; " + std::to_string(report.invalid_pixels) +
                     " pixels have no usable colour: fix the renderer, or allow repairs");
+  }
+  if (report.bad_covariance_pixels > 0) {
+    fail(frame, describe(report.first_bad_covariance) + "; " + std::to_string(report.bad_covariance_pixels) +
+                    " pixels have unusable covariances: fix the renderer, or allow repairs");
   }
   for (std::size_t f = 0; f < report.bad_feature_pixels.size(); ++f) {
     if (report.bad_feature_pixels[f] > 0) {

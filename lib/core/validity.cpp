@@ -61,10 +61,62 @@ BadValue explain_feature(const Feature& feature, int x, int y) {
   return {};
 }
 
+BadValue explain_covariance(const Frame& frame, int x, int y) {
+  constexpr std::array<const char*, 3> kPairs = {"R.G", "R.B", "G.B"};
+  constexpr std::array<const char*, 3> kRgb = {"R", "G", "B"};
+  for (std::size_t p = 0; p < 3 && frame.colour_covariance[p]; ++p) {
+    const float value = frame.colour_covariance[p].at(x, y);
+    if (!kAnyFinite(value)) return {std::string("covariance.") + kPairs[p], x, y, value};
+  }
+  for (const Feature& feature : frame.features) {
+    const std::size_t channels = feature.mean.size();
+    for (std::size_t i = 0; i < feature.colour_covariance.size(); ++i) {
+      const float value = feature.colour_covariance[i].at(x, y);
+      if (kAnyFinite(value)) continue;
+      return {std::string("covariance.") + kRgb[i / channels] + "." + plane_name(feature, i % channels, false), x, y,
+              value};
+    }
+  }
+  return {};
+}
+
+// mask[i] = 0 where a covariance is no number though what it is of is usable, else 1. Returns the number of such
+// pixels.
+int covariance_validity_row(const Frame& frame, int y, int count, float* mask) {
+  std::vector<float> usable(static_cast<std::size_t>(count));
+  std::vector<float> finite(static_cast<std::size_t>(count));
+  std::fill_n(mask, count, 1.0F);
+  const auto restrict_to = [&](const auto& planes) {
+    std::fill(finite.begin(), finite.end(), 1.0F);
+    for (const ConstPlaneView& plane : planes) {
+      if (plane) restrict_row(plane, y, 0, count, finite.data(), kAnyFinite);
+    }
+    for (std::size_t i = 0; i < finite.size(); ++i) mask[i] = usable[i] != 0.0F && finite[i] == 0.0F ? 0.0F : mask[i];
+  };
+  colour_validity_row(frame, y, 0, count, usable.data());
+  restrict_to(frame.colour_covariance);
+  std::vector<float> feature_usable(usable.size());
+  for (const Feature& feature : frame.features) {
+    if (feature.colour_covariance.empty()) continue;
+    colour_validity_row(frame, y, 0, count, usable.data());
+    feature_validity_row(feature, y, 0, count, feature_usable.data());
+    for (std::size_t i = 0; i < usable.size(); ++i) usable[i] *= feature_usable[i];
+    restrict_to(feature.colour_covariance);
+  }
+  return count_zeros(mask, count);
+}
+
+bool has_covariances(const Frame& frame) {
+  return frame.colour_covariance[0] || std::any_of(frame.features.begin(), frame.features.end(),
+                                                   [](const Feature& f) { return !f.colour_covariance.empty(); });
+}
+
 struct RowReport {
   int invalid = 0;
   int first_invalid_x = 0;
   int single_sample = 0;
+  int bad_covariance = 0;
+  int first_bad_covariance_x = 0;
   std::vector<int> bad_feature;
   std::vector<int> first_bad_x;
 };
@@ -81,6 +133,10 @@ RowReport inspect_row(const Frame& frame, int y) {
   for (const Feature& feature : frame.features) {
     row.bad_feature.push_back(feature_validity_row(feature, y, 0, frame.width, values.data()));
     row.first_bad_x.push_back(row.bad_feature.back() > 0 ? first_zero(values) : 0);
+  }
+  if (has_covariances(frame)) {
+    row.bad_covariance = covariance_validity_row(frame, y, frame.width, values.data());
+    if (row.bad_covariance > 0) row.first_bad_covariance_x = first_zero(values);
   }
   sample_count_row(frame, y, 0, frame.width, values.data());
   row.single_sample = static_cast<int>(std::count(values.begin(), values.end(), 1.0F));
@@ -127,6 +183,9 @@ FrameReport inspect(const Frame& frame, exec::Runner& runner, double progress_we
       report.first_invalid = explain_colour(frame, row.first_invalid_x, y);
     report.invalid_pixels += row.invalid;
     report.single_sample_pixels += row.single_sample;
+    if (row.bad_covariance > 0 && report.bad_covariance_pixels == 0)
+      report.first_bad_covariance = explain_covariance(frame, row.first_bad_covariance_x, y);
+    report.bad_covariance_pixels += row.bad_covariance;
     for (std::size_t f = 0; f < frame.features.size(); ++f) {
       if (row.bad_feature[f] > 0 && report.bad_feature_pixels[f] == 0) {
         report.first_bad_feature[f] = explain_feature(frame.features[f], row.first_bad_x[f], y);

@@ -9,6 +9,7 @@
 #include <atomic>
 #include <mutex>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "stein/error.hpp"
@@ -36,6 +37,19 @@ void observe(void* p) { __tsan_acquire(p); }
 void publish(void* /*p*/) {}
 void observe(void* /*p*/) {}
 #endif
+
+// Calls it when the scope ends, by an exception as well.
+template <class Action>
+class AtExit {
+ public:
+  explicit AtExit(Action action) : action_(std::move(action)) {}
+  AtExit(const AtExit&) = delete;
+  AtExit& operator=(const AtExit&) = delete;
+  ~AtExit() { action_(); }
+
+ private:
+  Action action_;
+};
 
 char begin_of_loop = 0;  // static: what a closure holds is only seen after observing
 
@@ -83,24 +97,28 @@ void Runner::for_each(int count, double weight, const std::function<void(int, in
     const int slot = tbb::this_task_arena::current_thread_index();
     observe(&begin_of_loop);
     observe(&in_slot[static_cast<std::size_t>(slot)]);
+    const AtExit end_of_item([&] {
+      publish(&in_slot[static_cast<std::size_t>(slot)]);
+      publish(&state);
+    });
     if (!state.cancelled) {
       body(item, slot);
       state.advance(step);
     }
-    publish(&in_slot[static_cast<std::size_t>(slot)]);
-    publish(&state);
   };
   publish(&begin_of_loop);
   const auto loop = [&] {
     // Isolated: a thread that waits here must not pick up unrelated work of the caller while it owns a slot.
     tbb::this_task_arena::isolate([&] { tbb::parallel_for(0, count, run_item, tbb::simple_partitioner{}); });
   };
-  if (state.own_arena) {
-    state.own_arena->execute(loop);
-  } else {
-    loop();
+  {
+    const AtExit end_of_loop([&] { observe(&state); });
+    if (state.own_arena) {
+      state.own_arena->execute(loop);
+    } else {
+      loop();
+    }
   }
-  observe(&state);
   if (state.cancelled) throw Error(ErrorCode::kCancelled, "cancelled by the progress callback");
 }
 

@@ -86,6 +86,11 @@ void add_warnings(const Frame& frame, DenoiseReport& report) {
          "' holds ", found.first_invalid.value, " at ", found.first_invalid.x, ", ", found.first_invalid.y,
          "); they were filled from their neighbours");
   }
+  if (found.bad_covariance_pixels > 0) {
+    warn(report, found.bad_covariance_pixels, " pixels have unusable covariances (first: plane '",
+         found.first_bad_covariance.plane, "' holds ", found.first_bad_covariance.value, " at ",
+         found.first_bad_covariance.x, ", ", found.first_bad_covariance.y, "); they count as 0");
+  }
   for (std::size_t f = 0; f < frame.features.size(); ++f) {
     if (found.bad_feature_pixels[f] > 0) {
       warn(report, "feature '", frame.features[f].name, "' is unusable in ", found.bad_feature_pixels[f],

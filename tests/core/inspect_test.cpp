@@ -26,6 +26,30 @@ void check_equal(const BadValue& found, const std::string& plane, int x, int y) 
 
 }  // namespace
 
+TEST_CASE("Covariances that are no number are counted once per pixel, where what they are of is usable") {
+  const Scene scene;
+  poke(scene.frame.colour_covariance[1], 3, 1, kNan);
+  poke(scene.frame.features[0].colour_covariance[4], 3, 1, kInf);
+  poke(scene.frame.features[0].colour_covariance[4], 1, 2, kInf);
+  poke(scene.frame.features[0].colour_covariance[4], 2, 2, kNan);  // unusable feature
+  poke(scene.frame.features[0].mean[0], 2, 2, kNan);
+  poke(scene.frame.colour_covariance[0], 4, 3, kNan);  // unusable colour
+  poke(scene.frame.colour[0], 4, 3, kNan);
+  const FrameReport report = stein::inspect(scene.frame);
+  CHECK(report.bad_covariance_pixels == 2);
+  check_equal(report.first_bad_covariance, "covariance.R.B", 3, 1);
+  const Scene other;
+  poke(other.frame.features[0].colour_covariance[4], 1, 2, kInf);
+  check_equal(stein::inspect(other.frame).first_bad_covariance, "covariance.G.normal.Y", 1, 2);
+  CHECK(contains(message_of([&] { stein::check_strict(other.frame); }), "'covariance.G.normal.Y'"));
+}
+
+TEST_CASE("Covariances of a feature without variances are refused") {
+  Scene scene;
+  scene.frame.features[0].variance.clear();
+  CHECK(contains(message_of([&] { stein::check(scene.frame); }), "covariances with the colour but no variances"));
+}
+
 TEST_CASE("Each kind of unusable colour is counted, and the first is reported") {
   struct Kind {
     std::function<ConstPlaneView(const Frame&)> plane;

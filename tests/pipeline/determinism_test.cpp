@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstring>
 #include <limits>
+#include <tuple>
+#include <vector>
 
 #include "catch.hpp"
 #include "stein/denoise.hpp"
@@ -33,18 +35,22 @@ TEST_CASE("denoise: 1, 2 and 5 threads and three tile sizes give identical bits"
   frame.at("variance.R", 60, 90) = 250000.0F;
   frame.at("G", 100, 64) = std::numeric_limits<float>::quiet_NaN();
   frame.at("B", 101, 64) = std::numeric_limits<float>::quiet_NaN();
-  for (const Selection selection : {Selection::kBlend, Selection::kArgmin}) {
-    DenoiseParams params;
-    params.selection = selection;
+  DenoiseParams argmin;
+  argmin.selection = Selection::kArgmin;
+  DenoiseParams monte_carlo;
+  monte_carlo.risk = Risk::kMonteCarlo;
+  monte_carlo.monte_carlo.draws = 2;
+  std::vector<DenoiseParams> all = {argmin, monte_carlo};
+  for (const std::string_view name : filter_names()) all.emplace_back().filter = make_filter(name);
+  for (DenoiseParams& params : all) {
     const DenoiseResult reference = denoise(frame.frame(), params);
-    for (const int threads : {1, 2, 5}) {
-      for (const auto& [width, height] : {std::pair(16, 7), std::pair(64, 64), std::pair(512, 40)}) {
-        params.execution.threads = threads;
-        params.execution.tile_width = width;
-        params.execution.tile_height = height;
-        INFO(threads << " threads, tiles of " << width << "x" << height);
-        CHECK(same_bits(reference, denoise(frame.frame(), params)));
-      }
+    for (const auto& [threads, width, height] : {std::tuple(1, 16, 7), std::tuple(2, 64, 64), std::tuple(5, 16, 7),
+                                                 std::tuple(5, 64, 64), std::tuple(2, 512, 40)}) {
+      params.execution.threads = threads;
+      params.execution.tile_width = width;
+      params.execution.tile_height = height;
+      INFO(filter_name(params.filter) << ", " << threads << " threads, tiles of " << width << "x" << height);
+      CHECK(same_bits(reference, denoise(frame.frame(), params)));
     }
   }
 }

@@ -166,6 +166,7 @@ TEST_CASE("source: one sample count for all pixels works as a plane of it") {
 TEST_CASE("source: a feature without variance is free of noise") {
   OwnedFrame frame(30, 2, {{"albedo", 3}});
   frame.frame().features[0].variance.clear();
+  frame.frame().features[0].colour_covariance.clear();
   const Source source(frame.frame(), inspect(frame.frame()));
   const FeatureRow row = feature_row(source, 0, 1.0F, 0, 0, 30);
   CHECK(row.variance == std::vector<float>(30, 0.0F));

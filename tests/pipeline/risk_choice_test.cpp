@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/risk_choice.hpp"
+
+#include <cmath>
+
+#include "catch.hpp"
+#include "stein/error.hpp"
+#include "support/noisy_scene.hpp"
+#include "support/synthetic.hpp"
+
+namespace stein::test {
+namespace {
+
+RiskChoice choice(const Frame& frame, Risk risk, const FilterSpec& filter = CrossBilateralParams{}) {
+  DenoiseParams params;
+  params.risk = risk;
+  params.filter = filter;
+  return choose_risk(frame, params);
+}
+
+bool has_warning(const std::vector<std::string>& warnings, const std::string& part) {
+  for (const std::string& warning : warnings) {
+    if (warning.find(part) != std::string::npos) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("risk: what the frame has decides, and the report says so") {
+  OwnedFrame with(8, 8, kUsualFeatures);
+  OwnedFrame without(8, 8, kUsualFeatures, false);
+
+  const RiskChoice joint = choice(with.frame(), Risk::kAuto);
+  CHECK(joint.method == Risk::kJoint);
+  CHECK(joint.name == "joint SURE");
+  CHECK(joint.warnings.empty());
+
+  const RiskChoice plain = choice(without.frame(), Risk::kAuto);
+  CHECK(plain.method == Risk::kPlain);
+  CHECK(plain.reason == "covariances with the colour are missing");
+  CHECK(has_warning(plain.warnings, "normal, albedo, depth"));
+
+  const RiskChoice asked = choice(with.frame(), Risk::kPlain);
+  CHECK(asked.name == "SURE");
+  CHECK(has_warning(asked.warnings, "plain SURE"));
+
+  CHECK(choice(with.frame(), Risk::kMonteCarlo).name == "Monte Carlo joint SURE");
+  CHECK(choice(without.frame(), Risk::kMonteCarlo).name == "Monte Carlo SURE");
+  CHECK(has_warning(choice(without.frame(), Risk::kMonteCarlo).warnings, "count as 0"));
+}
+
+TEST_CASE("risk: a part of the covariances is used, and what is missing is named") {
+  OwnedFrame frame(8, 8, kUsualFeatures);
+  frame.frame().features[1].colour_covariance.clear();
+  const RiskChoice joint = choice(frame.frame(), Risk::kAuto);
+  CHECK(joint.method == Risk::kJoint);
+  CHECK(has_warning(joint.warnings, "albedo are missing"));
+  try {
+    (void)choice(frame.frame(), Risk::kJoint);
+    FAIL("no error");
+  } catch (const Error& error) {
+    CHECK(error.code() == ErrorCode::kInvalidFrame);
+    CHECK(std::string(error.what()).find("covariances of the colour with albedo") != std::string::npos);
+  }
+}
+
+TEST_CASE("risk: features that do not guide, or are exact, need no covariances") {
+  OwnedFrame without(8, 8, kUsualFeatures, false);
+  const RiskChoice gaussian = choice(without.frame(), Risk::kAuto, GaussianParams{});
+  CHECK(gaussian.method == Risk::kPlain);
+  CHECK(gaussian.reason == "nothing that guides the filter is noisy");
+  CHECK(gaussian.warnings.empty());
+  for (Feature& feature : without.frame().features) feature.variance.clear();
+  CHECK(choice(without.frame(), Risk::kJoint).warnings.empty());
+}
+
+TEST_CASE("risk: joint and Monte Carlo agree on the estimated error of a whole run, and plain is too low") {
+  NoisyScene scene({.feature_noise = true, .seed = 17});
+  double truth = 0;
+  std::array<double, 3> estimated{};  // plain, joint, Monte Carlo
+  for (int i = 0; i < 40; ++i) {
+    scene.draw();
+    for (const Risk risk : {Risk::kPlain, Risk::kJoint, Risk::kMonteCarlo}) {
+      DenoiseParams params;
+      params.risk = risk;
+      params.monte_carlo.draws = 2;
+      params.monte_carlo.seed = static_cast<std::uint64_t>(i);
+      params.outliers.enabled = false;
+      const DenoiseResult result = denoise(scene.frame(), params);
+      estimated[static_cast<std::size_t>(risk) - 1] += result.report.mean_error[0];
+      if (risk != Risk::kJoint) continue;
+      for (int y = 0; y < scene.height(); ++y) {
+        for (int x = 0; x < scene.width(); ++x) {
+          const double error = result.colour[0].row(y)[x] - scene.truth(0, x, y);
+          truth += error * error / (scene.width() * scene.height());
+        }
+      }
+    }
+  }
+  CHECK(estimated[0] < 0.5 * truth);
+  CHECK(estimated[1] > 0.7 * truth);  // low by the bias of the choice
+  CHECK(estimated[1] < 1.1 * truth);
+  CHECK(estimated[2] == Approx(estimated[1]).epsilon(0.15));
+}
+
+}  // namespace stein::test
