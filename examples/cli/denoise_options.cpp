@@ -55,8 +55,10 @@ void declare(CLI::App& verb, DenoiseOptions& options) {
       ->capture_default_str();
   verb.add_option("--draws", options.draws, "Runs on perturbed input, for the Monte Carlo risk")->capture_default_str();
   verb.add_option("--seed", options.seed, "Of the perturbations")->capture_default_str();
-  verb.add_option("--selection", options.selection, "How one image is made of the candidates")
-      ->check(CLI::IsMember({"blend", "argmin"}))
+  verb.add_option("--selection", options.selection,
+                  "How candidates are chosen: by local evidence against that of the whole image, or the least "
+                  "local risk")
+      ->check(CLI::IsMember({"evidence", "argmin"}))
       ->capture_default_str();
   verb.add_option("--strength", options.strength, "1: the reconstruction, 0: the input, between: a mix")
       ->capture_default_str();
@@ -86,7 +88,7 @@ DenoiseParams denoise_params(const DenoiseOptions& options) {
   params.risk = risk_of(options.risk);
   params.monte_carlo.draws = options.draws;
   params.monte_carlo.seed = options.seed;
-  params.selection = options.selection == "argmin" ? Selection::kArgmin : Selection::kBlend;
+  params.selection = options.selection == "argmin" ? Selection::kArgmin : Selection::kEvidence;
   params.strength = options.strength;
   params.strict = options.strict;
   params.outliers.enabled = options.outliers;

@@ -21,7 +21,7 @@ struct DenoiseOptions {
   std::string risk = "auto";
   int draws = MonteCarloParams{}.draws;
   std::uint64_t seed = MonteCarloParams{}.seed;
-  std::string selection = "blend";
+  std::string selection = "evidence";
   float strength = 1;
   float samples = 0;
   std::int64_t budget = -1;  ///< below 0: no samples are handed out

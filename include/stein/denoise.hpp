@@ -18,8 +18,9 @@ namespace stein {
 
 /// How the candidates' estimated errors become one image.
 enum class Selection : std::uint8_t {
-  kArgmin,  ///< SBF sec. 4.2: the candidate of least smoothed risk
-  kBlend,   ///< that choice as weights, smoothed along edges: a mixture near the borders of two choices
+  kArgmin,    ///< SBF sec. 4.2: the candidate of least smoothed risk
+  kEvidence,  ///< what is best for the image, unless local evidence is stronger than its standard error; and a mixture
+              ///< near the borders of two choices
 };
 
 /// How the error of a candidate is estimated. All are unbiased for noise that is Gaussian and of the variances given.
@@ -51,7 +52,7 @@ struct DenoiseParams {
   Risk risk = Risk::kAuto;
   MonteCarloParams monte_carlo;  ///< read where the risk is estimated that way
   OutlierParams outliers;
-  Selection selection = Selection::kBlend;
+  Selection selection = Selection::kEvidence;
   float strength =
       1.0F;  ///< [0..1]: 1 the reconstruction, 0 the input; between: a linear mix. The error is that of the mix.
   /// Throw on the first unusable pixel or feature value instead of repairing and counting it.

@@ -5,7 +5,7 @@
 
 namespace stein::kernels {
 
-inline constexpr int kMaxMaps = 16;
+inline constexpr int kMaxMaps = 32;
 inline constexpr int kWindow = 5;  ///< taps in x, and at most as many rows
 
 /// One row of an edge-aware weighted mean of several maps that share the weights 2^-d * spatial. The window has kWindow
@@ -24,6 +24,14 @@ struct GuidedSmoothRow {
   int count = 0;  ///< target pixels; rows are read and written up to the next multiple of kMaxLanes
 
   float* result[kMaxMaps];  ///< out: the weighted mean; the pixel's own value where no neighbour has weight
+
+  /// If given: the inverse of an effective count, the variance of what the maps hold were they means of noise of
+  /// variance 1. It becomes overlap' * sum w^2 v / (sum w)^2, with overlap' from 1, where one neighbour has all the
+  /// weight, to `overlap`, where all have the same: means of overlapping windows are correlated.
+  const float* inverse_count[kWindow];
+  const float* centre_inverse_count = nullptr;
+  float overlap = 1;
+  float* inverse_count_result = nullptr;
 };
 
 void guided_smooth_row(const GuidedSmoothRow& row);

@@ -6,13 +6,16 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "core/parameter_check.hpp"
 #include "exec/runner.hpp"
 #include "kernels/guides.hpp"
+#include "pipeline/filter_runs.hpp"
 #include "pipeline/risk_choice.hpp"
 #include "pipeline/stages.hpp"
 #include "pipeline/summary.hpp"
+#include "pipeline/survey.hpp"
 #include "prefilter/outliers.hpp"
 #include "prefilter/source.hpp"
 #include "stein/error.hpp"
@@ -22,7 +25,9 @@ namespace {
 
 constexpr int kDefaultTileWidth = 128;
 constexpr int kDefaultTileHeight = 32;
-constexpr double kMainShare = 0.97;  // of the progress; the rest is inspecting the input and summing up
+constexpr double kMainShare = 0.85;  // of the progress
+constexpr double kSurveyShare = 0.12;
+constexpr double kRestShare = 1.0 - kMainShare - kSurveyShare;  // inspecting the input and summing up
 
 exec::RowPipelineGeometry geometry_of(const Frame& frame, const Execution& execution, int threads) {
   exec::RowPipelineGeometry geometry;
@@ -105,7 +110,7 @@ DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {
   report.warnings = risk.warnings;
   StageClock clock(report.stages);
 
-  clock.measure("inspect", [&] { report.frame = inspect(frame, runner, (1.0 - kMainShare) / 2); });
+  clock.measure("inspect", [&] { report.frame = inspect(frame, runner, kRestShare / 2); });
   if (params.strict) require_clean(frame, report.frame);
 
   allocate(frame, result);
@@ -113,11 +118,18 @@ DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {
   clock.measure("outliers", [&] { replace_outliers(source, params, runner, report); });
 
   const exec::RowPipelineGeometry geometry = geometry_of(frame, params.execution, runner.slots());
-  Stages pipeline(source, params, risk.method, geometry, runner.slots(), result);
+  const int ring_rows = window_rows(params, risk.method, geometry);
+  FilterRuns runs(source, params, risk.method, geometry, ring_rows, runner.slots());
+  Survey found;
+  clock.measure("survey", [&] { found = survey(source, runs, geometry, runner, kSurveyShare); });
+  for (std::string& doubt : doubts(found, risk.knows_covariances)) report.warnings.push_back(std::move(doubt));
+
+  Stages pipeline(source, params, runs, found, geometry, ring_rows, runner.slots(), result);
   const std::vector<double> seconds = exec::run_row_pipeline(geometry, pipeline.list(), runner, kMainShare);
   for (std::size_t s = 0; s < seconds.size(); ++s) clock.add(pipeline.list()[s].name, seconds[s]);
 
-  clock.measure("summarise", [&] { summarise(source, params, runner, (1.0 - kMainShare) / 2, result); });
+  report.mean_relative_error = pipeline.mean_relative_error();
+  clock.measure("summarise", [&] { summarise(source, params, runner, kRestShare / 2, result); });
   return result;
 }
 

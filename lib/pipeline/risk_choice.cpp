@@ -58,11 +58,12 @@ void require_covariances(const Frame& frame, const NoisyGuides& noisy) {
                                             ", which are missing; supply them, or choose the plain risk");
 }
 
-RiskChoice monte_carlo(const Frame& frame, const NoisyGuides& noisy, std::string reason) {
-  RiskChoice choice{Risk::kMonteCarlo,
-                    has_any_covariance(frame) ? "Monte Carlo joint SURE" : "Monte Carlo SURE",
-                    std::move(reason),
-                    {}};
+RiskChoice make_choice(Risk method, std::string name, std::string reason, const NoisyGuides& noisy) {
+  RiskChoice choice;
+  choice.method = method;
+  choice.name = std::move(name);
+  choice.reason = std::move(reason);
+  choice.knows_covariances = noisy.unknown.empty();
   if (!noisy.unknown.empty()) {
     choice.warnings.push_back("the covariances of the colour with " + joined(noisy.unknown) +
                               " are missing and count as 0: where they are noisy together with the colour the "
@@ -71,28 +72,25 @@ RiskChoice monte_carlo(const Frame& frame, const NoisyGuides& noisy, std::string
   return choice;
 }
 
-RiskChoice closed_form(const NoisyGuides& noisy, Risk wanted) {
-  RiskChoice choice;
-  if (wanted == Risk::kPlain || noisy.known.empty()) {
-    choice = {Risk::kPlain, "SURE", "", {}};
-    choice.reason = wanted == Risk::kPlain   ? "it was asked for"
-                    : !noisy.unknown.empty() ? "covariances with the colour are missing"
-                                             : "nothing that guides the filter is noisy";
-    const std::vector<std::string>& left_out = noisy.known.empty() ? noisy.unknown : noisy.known;
-    if (!left_out.empty()) {
-      choice.warnings.push_back("the risk is plain SURE, without the covariances of the colour with " +
-                                joined(left_out) + ": where they are noisy together the estimated error is too low");
-    }
-    return choice;
+RiskChoice monte_carlo(const Frame& frame, const NoisyGuides& noisy, std::string reason) {
+  const std::string name = has_any_covariance(frame) ? "Monte Carlo joint SURE" : "Monte Carlo SURE";
+  return make_choice(Risk::kMonteCarlo, name, std::move(reason), noisy);
+}
+
+RiskChoice closed_form(NoisyGuides noisy, Risk wanted) {
+  const std::string asked = "it was asked for";
+  if (wanted == Risk::kPlain) {  // leaves out what is known
+    noisy.unknown.insert(noisy.unknown.end(), noisy.known.begin(), noisy.known.end());
+    return make_choice(Risk::kPlain, "SURE", asked, noisy);
   }
-  choice = {
-      Risk::kJoint, "joint SURE", wanted == Risk::kJoint ? "it was asked for" : "the frame has the covariances", {}};
-  if (!noisy.unknown.empty()) {
-    choice.warnings.push_back("the covariances of the colour with " + joined(noisy.unknown) +
-                              " are missing and count as 0: where they are noisy together with the colour the "
-                              "estimated error is too low");
+  if (!noisy.known.empty()) {
+    return make_choice(Risk::kJoint, "joint SURE", wanted == Risk::kJoint ? asked : "the frame has the covariances",
+                       noisy);
   }
-  return choice;
+  return make_choice(
+      Risk::kPlain, "SURE",
+      noisy.unknown.empty() ? "nothing that guides the filter is noisy" : "covariances with the colour are missing",
+      noisy);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ struct RiskChoice {
   Risk method = Risk::kPlain;  ///< never kAuto
   std::string name;
   std::string reason;
+  bool knows_covariances = true;  ///< uses those of the colour with all that guides the filter and is noisy
   std::vector<std::string> warnings;
 };
 

@@ -5,10 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "pipeline/relative_risk.hpp"
 #include "risk/sure.hpp"
 #include "select/selection.hpp"
-#include "stein/error.hpp"
 
 namespace stein {
 namespace {
@@ -20,182 +21,162 @@ const std::vector<int> kRiskSteps = {1, 2, 4};
 const std::vector<int> kWeightSteps = {1, 2};
 const std::vector<int> kErrorSteps = {1, 2, 4};
 constexpr float kSmoothingSigmaScale = 2.0F;
-
-constexpr float kRelativeEpsilon = 0.01F;  // of relative MSE, SBF sec. 5.2
-
-// Reach of the filter, once for each run of it, and of all passes: the rows that windows must hold on either side.
-std::vector<int> all_halos(const FilterSpec& filter, int runs) {
-  std::vector<int> all;
-  const auto append = [&](const std::vector<int>& halos) { all.insert(all.end(), halos.begin(), halos.end()); };
-  for (int r = 0; r < runs; ++r) append(halos(filter));
-  for (const std::vector<int>* steps : {&kRiskSteps, &kWeightSteps, &kErrorSteps}) {
-    for (const int step : *steps) append({GuidedPass::kRadius * step});
-  }
-  return all;
-}
-
-int draws_of(const DenoiseParams& params, Risk risk) {
-  return risk == Risk::kMonteCarlo ? params.monte_carlo.draws : 0;
-}
+constexpr int kBlock = 16;  // pixels of a row that are summed together: tiles are made of whole blocks
 
 }  // namespace
 
-Stages::Stages(const Source& source, const DenoiseParams& params, Risk risk, const exec::RowPipelineGeometry& geometry,
-               int slots, DenoiseResult& result)
+int window_rows(const DenoiseParams& params, Risk risk, const exec::RowPipelineGeometry& geometry) {
+  std::vector<int> halos = run_halos(params, risk);
+  for (const std::vector<int>* steps : {&kRiskSteps, &kWeightSteps, &kErrorSteps}) {
+    for (const int step : *steps) halos.push_back(GuidedPass::kRadius * step);
+  }
+  return exec::ring_capacity(geometry, halos);
+}
+
+Stages::Stages(const Source& source, const DenoiseParams& params, FilterRuns& runs, const Survey& survey,
+               const exec::RowPipelineGeometry& geometry, int ring_rows, int slots, DenoiseResult& result)
     : source_(source),
       params_(params),
+      runs_(runs),
       geometry_(geometry),
       result_(result),
-      ring_rows_(exec::ring_capacity(geometry, all_halos(params.filter, 1 + draws_of(params, risk)))) {
-  add_run(risk, {});
-  for (int draw = 0; draw < draws_of(params, risk); ++draw) {
-    add_run(risk, Perturbation{params.monte_carlo.seed, draw, params.monte_carlo.step});
-  }
-  plan(slots);
-}
-
-void Stages::add_run(Risk risk, const std::optional<Perturbation>& perturbation) {
-  auto run = std::make_unique<Run>();
-  if (perturbation) run->perturbed.emplace(source_.perturbed(*perturbation));
-  const Source& source = perturbation ? *run->perturbed : source_;
-  run->guides.emplace(make_guides(params_.filter, source, ring_rows_));
-  const Divergence divergence = risk == Risk::kJoint ? Divergence::kJoint : Divergence::kPlain;
-  run->filter = prepare(params_.filter,
-                        {source, *run->guides, geometry_.tile_width, geometry_.tile_height, ring_rows_, divergence});
-  entries_ = run->filter->candidates() + 1;
-  if (entries_ > kMaxEntries) {
-    throw Error(ErrorCode::kInvalidArgument, "the filter has " + std::to_string(entries_ - 1) +
-                                                 " candidates; at most " + std::to_string(kMaxEntries - 1) +
-                                                 " can be chosen from");
-  }
-  run->candidates = add_ring((entries_ - 1) * CandidateRows::kPlanes);
-  runs_.push_back(std::move(run));
-}
-
-void Stages::plan(int slots) {
-  scratch_.resize(static_cast<std::size_t>(slots));
-  constexpr std::size_t kLines = 12;
+      ring_rows_(ring_rows),
+      entries_(runs.entries()),
+      weighs_evidence_(params.selection == Selection::kEvidence),
+      baseline_(weighs_evidence_ ? survey.best : 0),
+      relative_errors_(static_cast<std::size_t>((geometry.width + kBlock - 1) / kBlock) *
+                       static_cast<std::size_t>(geometry.height)) {
+  const float least = survey.mean_risk[static_cast<std::size_t>(baseline_)];
+  for (const float risk : survey.mean_risk) prior_.push_back(risk - least);
+  const std::size_t lines = 6 + static_cast<std::size_t>(kMaxEntries);
   lines_.assign(static_cast<std::size_t>(slots),
-                std::vector<float>(kLines * static_cast<std::size_t>(geometry_.tile_width)));
+                std::vector<float>(lines * static_cast<std::size_t>(geometry.tile_width)));
+  plan();
+}
 
-  raw_risks_ = add_ring(entries_);
+void Stages::plan() {
+  const int others = entries_ - 1;
+  differences_ = add_ring(others + 1);
+  choices_ = add_ring(entries_);
   raw_errors_ = add_ring(3);
-  for (std::size_t r = 0; r < runs_.size(); ++r) plan_run(r);
-  risks_ = add_passes("smooth risk", raw_risks_, PassKernel::kBox, kRiskSteps, &Stages::pick);
-  if (params_.selection == Selection::kBlend) {
-    weights_ = add_passes("select", risks_, PassKernel::kB3Spline, kWeightSteps, &Stages::mix);
+  runs_.add_stages(
+      {}, [this](const Rect& tile, int slot) { compare(tile, slot); }, list_);
+  add_risk_passes();
+  if (weighs_evidence_) {
+    weights_ = add_passes("select", choices_, kWeightSteps, &Stages::mix);
   } else {
-    weights_ = risks_;
+    weights_ = choices_;
     list_.push_back({"select", 0, 0.1, [this](const Rect& tile, int slot) { mix(tile, slot); }});
   }
-  errors_ = add_passes("smooth error", raw_errors_, PassKernel::kB3Spline, kErrorSteps, &Stages::finish);
+  errors_ = add_passes("smooth error", raw_errors_, kErrorSteps, &Stages::finish);
 }
 
-// The passes of one run of the filter. Its last one goes on with what needs nothing but the tile itself.
-void Stages::plan_run(std::size_t index) {
-  Run& run = *runs_[index];
-  list_.push_back({"prepare", 0, 0.5, [&run](const Rect& tile, int /*slot*/) { run.guides->prepare(tile); }});
-  const std::vector<int> passes = halos(params_.filter);
-  for (std::size_t p = 0; p < passes.size(); ++p) {
-    const bool is_last = p + 1 == passes.size();
-    list_.push_back({index == 0 ? "filter" : "draw", passes[p], 15.0 / static_cast<double>(passes.size()),
-                     [this, &run, index, p, is_last](const Rect& tile, int slot) {
-                       const auto s = static_cast<std::size_t>(slot);
-                       run.filter->run(static_cast<int>(p), tile, scratch_[s], CandidateRows(*run.candidates.ring));
-                       if (is_last && index > 0) add_draw(run, tile, lines_[s].data());
-                       if (is_last && index + 1 == runs_.size()) estimate_risk(tile, slot);
-                     }});
+// The differences of the risks through all passes, and their squares through the last one: how much they vary around a
+// pixel. Box weights are the widest for their taps; that several passes leave a faint grid around isolated values does
+// not matter where only the order of the results counts.
+void Stages::add_risk_passes() {
+  const int others = entries_ - 1;
+  const std::vector<float> overlaps = overlap_factors(PassKernel::kBox, kRiskSteps);
+  MapRows maps = {differences_.ring, others, others};
+  for (std::size_t i = 0; i < kRiskSteps.size(); ++i) {
+    const GuidedPass pass{PassKernel::kBox, kRiskSteps[i], kSmoothingSigmaScale, overlaps[i]};
+    const bool is_last = i + 1 == kRiskSteps.size();
+    const bool is_next_to_last = i + 2 == kRiskSteps.size();
+    const bool has_squares = is_last || is_next_to_last;
+    MapRows out = add_ring(has_squares ? 2 * others + 1 : others + 1);
+    out.count = maps.count;
+    out.inverse_count = has_squares ? 2 * others : others;
+    if (is_next_to_last) squares_ = out;
+    add_pass("smooth risk", pass, maps, out,
+             is_last                               ? &Stages::pick
+             : is_next_to_last && weighs_evidence_ ? &Stages::square
+                                                   : nullptr);
+    if (is_next_to_last && weighs_evidence_) out.count = 2 * others;
+    maps = out;
   }
-}
-
-// Monte Carlo SURE: D = b (F(y + step b) - F(y)) / step, mean over the draws. With b of the joint covariance of colour
-// and features its expectation is the sum of both derivative terms of Joint SURE Eq. 2.
-void Stages::add_draw(const Run& draw, const Rect& tile, float* lines) {
-  const int n = tile.width();
-  const float factor = 1.0F / (params_.monte_carlo.step * static_cast<float>(params_.monte_carlo.draws));
-  const bool is_first = &draw == runs_[1].get();
-  const CandidateRows base(*runs_[0]->candidates.ring);
-  const CandidateRows moved(*draw.candidates.ring);
-  for (int y = tile.y0; y < tile.y1; ++y) {
-    for (int c = 0; c < 3; ++c) {
-      float* b = lines;
-      draw.perturbed->direction_row(static_cast<std::size_t>(c), y, tile.x0, n, b);
-      for (int k = 0; k + 1 < entries_; ++k) {
-        const float* F = base.result(k, c, y) + tile.x0;
-        const float* F_moved = moved.result(k, c, y) + tile.x0;
-        float* D = base.divergence(k, c, y) + tile.x0;
-        for (int i = 0; i < n; ++i) D[i] = (is_first ? 0.0F : D[i]) + factor * b[i] * (F_moved[i] - F[i]);
-      }
-    }
-  }
+  evidence_ = maps;
 }
 
 MapRows Stages::add_ring(int planes) {
   rings_.push_back(std::make_unique<exec::RowRing>(planes, geometry_.width, ring_rows_));
-  return {rings_.back().get(), planes};
+  return {rings_.back().get(), planes, -1};
 }
 
-MapRows Stages::add_passes(const std::string& name, MapRows maps, PassKernel kernel, const std::vector<int>& steps,
-                           TileStep then) {
+void Stages::add_pass(const std::string& name, const GuidedPass& pass, MapRows in, MapRows out, TileStep then) {
+  list_.push_back({name, pass.halo(), 1.0, [this, pass, in, out, then](const Rect& tile, int slot) {
+                     run_guided_pass(pass, runs_.guides(), geometry_.height, tile, in, out);
+                     if (then != nullptr) (this->*then)(tile, slot);
+                   }});
+}
+
+MapRows Stages::add_passes(const std::string& name, MapRows maps, const std::vector<int>& steps, TileStep then) {
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    const GuidedPass pass{kernel, steps[i], kSmoothingSigmaScale};
     const MapRows out = add_ring(maps.count);
-    const TileStep last = i + 1 == steps.size() ? then : nullptr;
-    list_.push_back({name, pass.halo(), 1.0, [this, pass, maps, out, last](const Rect& tile, int slot) {
-                       run_guided_pass(pass, *runs_[0]->guides, geometry_.height, tile, maps, out);
-                       if (last != nullptr) (this->*last)(tile, slot);
-                     }});
+    add_pass(name, {PassKernel::kB3Spline, steps[i], kSmoothingSigmaScale, 1.0F}, maps, out,
+             i + 1 == steps.size() ? then : nullptr);
     maps = out;
   }
   return maps;
 }
 
-void Stages::estimate_risk(const Rect& tile, int slot) {
-  for (int y = tile.y0; y < tile.y1; ++y) risk_row(tile, y, lines_[static_cast<std::size_t>(slot)].data());
-}
-
-// Relative risk of every entry: SURE (SBF Eq. 2) of each channel over F^2 + 0.01, mean over the channels. F is the same
-// for all entries, that of a fairly wide candidate (sigma_s = 4 in both banks of the paper): weights of their own would
-// favour entries that are too bright, and a noisy F correlates with the risk it weighs.
-void Stages::risk_row(const Rect& tile, int y, float* lines) {
+// Relative risks, clipped, minus that of the baseline.
+void Stages::compare(const Rect& tile, int slot) {
   const int n = tile.width();
-  const auto line = [&](int i) { return lines + i * geometry_.tile_width; };
-  float* mean = line(0);
-  float* variance = line(1);
-  float* colour = line(2);
-  float* own_variance = line(3);
-  float* weight = line(4);
-  float* risk = line(5);
-  const CandidateRows rows(*runs_[0]->candidates.ring);
-  for (int e = 0; e < entries_; ++e) std::fill_n(raw_risks_.row(e, y) + tile.x0, n, 0.0F);
-  for (int c = 0; c < 3; ++c) {
-    const auto channel = static_cast<std::size_t>(c);
-    source_.input_row(channel, y, tile.x0, n, mean, variance);
-    source_.colour_row(channel, y, tile.x0, n, colour);
-    source_.variance_row(channel, y, tile.x0, n, own_variance);
-    const float* common = rows.result(2 * (entries_ - 1) / 3, c, y) + tile.x0;
-    for (int i = 0; i < n; ++i) {
-      weight[i] = 1.0F / (3.0F * (common[i] * common[i] + kRelativeEpsilon));
-    }
+  const std::ptrdiff_t pitch = geometry_.tile_width;
+  float* lines = lines_of(slot);
+  float* risks[kMaxEntries];
+  for (int e = 0; e < entries_; ++e) risks[e] = lines + (6 + e) * pitch;
+  for (int y = tile.y0; y < tile.y1; ++y) {
+    relative_risk_rows(source_, runs_.candidates(), entries_, tile, y, lines, pitch, risks);
     for (int e = 0; e < entries_; ++e) {
-      const float* F = e == 0 ? colour : rows.result(e - 1, c, y) + tile.x0;
-      const float* D = e == 0 ? own_variance : rows.divergence(e - 1, c, y) + tile.x0;
-      sure_row(F, D, mean, variance, n, risk);
-      float* sum = raw_risks_.row(e, y) + tile.x0;
-      for (int i = 0; i < n; ++i) sum[i] += risk[i] * weight[i];
+      for (int i = 0; i < n; ++i) risks[e][i] = std::clamp(risks[e][i], -kRiskLimit, kRiskLimit);
     }
-  }
-  for (int e = 0; e < entries_; ++e) {
-    float* sum = raw_risks_.row(e, y) + tile.x0;
-    for (int i = 0; i < n; ++i) sum[i] = std::clamp(sum[i], -kRiskLimit, kRiskLimit);
+    int map = 0;
+    for (int e = 0; e < entries_; ++e) {
+      if (e == baseline_) continue;
+      float* difference = differences_.row(map++, y) + tile.x0;
+      for (int i = 0; i < n; ++i) difference[i] = risks[e][i] - risks[baseline_][i];
+    }
+    std::fill_n(differences_.row(map, y) + tile.x0, n, 1.0F);  // each is the mean of one pixel
   }
 }
 
+void Stages::square(const Rect& tile, int /*slot*/) {
+  const int others = entries_ - 1;
+  for (int y = tile.y0; y < tile.y1; ++y) {
+    for (int m = 0; m < others; ++m) {
+      const float* difference = differences_.row(m, y) + tile.x0;
+      float* squared = squares_.row(others + m, y) + tile.x0;
+      for (int i = 0; i < tile.width(); ++i) squared[i] = difference[i] * difference[i];
+    }
+  }
+}
+
+// The entry that is best by what is known: local evidence, as far as it goes beyond its standard error, before that of
+// the image.
 void Stages::pick(const Rect& tile, int /*slot*/) {
+  const int n = tile.width();
+  const int others = entries_ - 1;
   float* maps[kMaxEntries];
   for (int y = tile.y0; y < tile.y1; ++y) {
-    for (int e = 0; e < entries_; ++e) maps[e] = risks_.row(e, y) + tile.x0;
-    argmin_row(maps, entries_, tile.width());
+    int m = 0;
+    for (int e = 0; e < entries_; ++e) {
+      maps[e] = choices_.row(e, y) + tile.x0;
+      if (e == baseline_) {
+        std::fill_n(maps[e], n, 0.0F);
+        continue;
+      }
+      const float* mean = evidence_.row(m, y) + tile.x0;
+      if (weighs_evidence_) {
+        const float* inverse_count = evidence_.row(evidence_.inverse_count, y) + tile.x0;
+        shrink_row(mean, evidence_.row(others + m, y) + tile.x0, inverse_count, prior_[static_cast<std::size_t>(e)], n,
+                   maps[e]);
+      } else {
+        std::copy_n(mean, n, maps[e]);
+      }
+      ++m;
+    }
+    argmin_row(maps, entries_, n);
   }
 }
 
@@ -204,7 +185,7 @@ void Stages::mix(const Rect& tile, int slot) {
   for (int y = tile.y0; y < tile.y1; ++y) {
     for (int e = 0; e < entries_; ++e) maps[e] = weights_.row(e, y) + tile.x0;
     largest_row(maps, entries_, tile.width(), result_.choice.row(y) + tile.x0);
-    mix_row(tile, y, lines_[static_cast<std::size_t>(slot)].data());
+    mix_row(tile, y, lines_of(slot));
   }
 }
 
@@ -217,7 +198,7 @@ void Stages::mix_row(const Rect& tile, int y, float* lines) {
   float* variance = line(1);
   float* F = line(2);
   float* D = line(3);
-  const CandidateRows rows(*runs_[0]->candidates.ring);
+  const CandidateRows rows = runs_.candidates();
   for (int c = 0; c < 3; ++c) {
     const auto channel = static_cast<std::size_t>(c);
     source_.input_row(channel, y, tile.x0, n, mean, variance);
@@ -243,8 +224,23 @@ void Stages::mix_row(const Rect& tile, int y, float* lines) {
       D[i] = strength * D[i] + (1.0F - strength) * variance[i];
     }
     std::copy_n(F, n, result_.colour[channel].row(y) + tile.x0);
-    sure_row(F, D, mean, variance, n, raw_errors_.row(c, y) + tile.x0);
+    float* risk = raw_errors_.row(c, y) + tile.x0;
+    sure_row(F, D, mean, variance, n, risk);
+    add_relative_error(tile, y, F, risk);
   }
+}
+
+void Stages::add_relative_error(const Rect& tile, int y, const float* F, const float* risk) {
+  const auto blocks = static_cast<std::size_t>((geometry_.width + kBlock - 1) / kBlock);
+  double* sums = relative_errors_.data() + static_cast<std::size_t>(y) * blocks;
+  for (int i = 0; i < tile.width(); ++i) {
+    sums[(tile.x0 + i) / kBlock] += risk[i] / (static_cast<double>(F[i]) * F[i] + kRelativeEpsilon);
+  }
+}
+
+double Stages::mean_relative_error() const {
+  const double sum = std::accumulate(relative_errors_.begin(), relative_errors_.end(), 0.0);
+  return sum / (3.0 * geometry_.width * geometry_.height);
 }
 
 void Stages::finish(const Rect& tile, int slot) {
@@ -253,7 +249,7 @@ void Stages::finish(const Rect& tile, int slot) {
       std::copy_n(errors_.row(c, y) + tile.x0, tile.width(),
                   result_.error[static_cast<std::size_t>(c)].row(y) + tile.x0);
     }
-    density_row(tile, y, lines_[static_cast<std::size_t>(slot)].data());
+    density_row(tile, y, lines_of(slot));
   }
 }
 

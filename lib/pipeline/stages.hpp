@@ -5,71 +5,75 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "exec/row_pipeline.hpp"
-#include "filters/filter.hpp"
+#include "pipeline/filter_runs.hpp"
+#include "pipeline/survey.hpp"
 #include "select/guided_pass.hpp"
 #include "stein/denoise.hpp"
 
 namespace stein {
 
+/// Rows of the windows that hold what stages leave.
+[[nodiscard]] int window_rows(const DenoiseParams& params, Risk risk, const exec::RowPipelineGeometry& geometry);
+
 /// Entry 0 is the unfiltered input, entry k the filter's candidate k - 1.
 class Stages {
  public:
   /// Everything referred to must outlive this.
-  Stages(const Source& source, const DenoiseParams& params, Risk risk, const exec::RowPipelineGeometry& geometry,
-         int slots, DenoiseResult& result);
+  Stages(const Source& source, const DenoiseParams& params, FilterRuns& runs, const Survey& survey,
+         const exec::RowPipelineGeometry& geometry, int ring_rows, int slots, DenoiseResult& result);
 
   /// In the order in which they run. The stages refer to this object.
   [[nodiscard]] const std::vector<exec::RowStage>& list() const noexcept { return list_; }
 
+  /// Mean over pixels and channels of the estimated error over F^2 + 0.01, before smoothing, which would carry errors
+  /// of bright pixels to dark ones.
+  [[nodiscard]] double mean_relative_error() const;
+
  private:
   using TileStep = void (Stages::*)(const Rect& tile, int slot);
 
-  /// The filter on the frame, or on a perturbed one.
-  struct Run {
-    std::optional<Source> perturbed;
-    std::optional<GuideRows> guides;
-    std::unique_ptr<PreparedFilter> filter;
-    MapRows candidates;  ///< F and D
-  };
-
-  void add_run(Risk risk, const std::optional<Perturbation>& perturbation);
-  void plan(int slots);
-  void plan_run(std::size_t index);
-  /// Appends a chain of smoothing passes over `maps`; `then` handles each tile of the last one. Returns where that
-  /// leaves them.
-  MapRows add_passes(const std::string& name, MapRows maps, PassKernel kernel, const std::vector<int>& steps,
-                     TileStep then);
+  void plan();
+  /// Appends a smoothing pass from maps to maps; `then` handles each finished tile.
+  void add_pass(const std::string& name, const GuidedPass& pass, MapRows in, MapRows out, TileStep then);
+  /// Appends a chain of passes over `maps`. Returns where it leaves them.
+  MapRows add_passes(const std::string& name, MapRows maps, const std::vector<int>& steps, TileStep then);
+  void add_risk_passes();
   MapRows add_ring(int planes);
 
-  void add_draw(const Run& draw, const Rect& tile, float* lines);
-  void estimate_risk(const Rect& tile, int slot);
+  void compare(const Rect& tile, int slot);
+  void square(const Rect& tile, int slot);
   void pick(const Rect& tile, int slot);
   void mix(const Rect& tile, int slot);
   void finish(const Rect& tile, int slot);
 
-  void risk_row(const Rect& tile, int y, float* lines);
   void mix_row(const Rect& tile, int y, float* lines);
+  void add_relative_error(const Rect& tile, int y, const float* F, const float* risk);
   void density_row(const Rect& tile, int y, float* lines);
+  [[nodiscard]] float* lines_of(int slot) { return lines_[static_cast<std::size_t>(slot)].data(); }
 
   const Source& source_;
   const DenoiseParams& params_;
+  FilterRuns& runs_;
   exec::RowPipelineGeometry geometry_;
   DenoiseResult& result_;
   int ring_rows_;
+  int entries_;
+  bool weighs_evidence_;
+  int baseline_;              // the entry that others are compared with
+  std::vector<float> prior_;  // per entry: mean relative risk of the image minus that of the baseline
   std::vector<std::unique_ptr<exec::RowRing>> rings_;
-  std::vector<std::unique_ptr<Run>> runs_;  // the frame's own first, then the draws of a Monte Carlo risk
-  int entries_ = 0;
-  MapRows raw_risks_;  // relative risk of the entries
-  MapRows risks_;      // the same, smoothed, then the choice
-  MapRows weights_;
+  MapRows differences_;                    // relative risk of the entries but the baseline, minus its own
+  MapRows squares_;                        // the same after some passes, with the squares of what came in
+  MapRows evidence_;                       // both smoothed
+  MapRows choices_;                        // one map per entry: 1 for what was picked
+  MapRows weights_;                        // the same, smoothed
   MapRows raw_errors_;                     // risk of the mixture per channel
   MapRows errors_;                         // the same, smoothed
-  std::vector<FilterScratch> scratch_;     // per slot
+  std::vector<double> relative_errors_;    // sums over blocks of 16 pixels of a row
   std::vector<std::vector<float>> lines_;  // per slot: rows as wide as a tile
   std::vector<exec::RowStage> list_;
 };

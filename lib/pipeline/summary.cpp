@@ -15,7 +15,6 @@ namespace {
 // Sums of one row, in double; rows are added in order, so that threads do not change the result.
 struct RowSums {
   std::array<double, 3> error{};
-  double relative_error = 0;
   double density = 0;
   double radiance = 0;
   std::vector<std::int64_t> choices;
@@ -30,7 +29,6 @@ RowSums sums_of_row(const DenoiseResult& result, std::size_t entries, int y) {
     const float* colour = result.colour[c].row(y);
     for (int x = 0; x < width; ++x) {
       sums.error[c] += error[x];
-      sums.relative_error += error[x] / (static_cast<double>(colour[x]) * colour[x] + 0.01);
       sums.radiance += colour[x];
     }
   }
@@ -128,7 +126,6 @@ void summarise(const Source& source, const DenoiseParams& params, exec::Runner& 
   report.choice_share.assign(report.candidates.size(), 0.0);
   for (const RowSums& row : rows) {
     for (std::size_t c = 0; c < 3; ++c) report.mean_error[c] += row.error[c] / pixels;
-    report.mean_relative_error += row.relative_error / (3.0 * pixels);
     for (std::size_t e = 0; e < row.choices.size(); ++e)
       report.choice_share[e] += static_cast<double>(row.choices[e]) / pixels;
     density += row.density;

@@ -5,11 +5,16 @@
 
 namespace stein {
 
-inline constexpr int kMaxEntries = 9;  ///< the unfiltered input and the candidates of a bank
+inline constexpr int kMaxEntries = 13;  ///< the unfiltered input and the candidates of a bank
 
 /// Relative risk is clipped to +-kRiskLimit before it is smoothed: a single pixel's vote is bounded. For the choice
 /// only; the error that is reported is not clipped.
 inline constexpr float kRiskLimit = 1.0F;
+
+/// How far local evidence moves an estimate from what the image as a whole says: out = prior + lambda (mean - prior)
+/// with lambda = max(0, 1 - s^2 / (mean - prior)^2), the positive-part James-Stein rule. `mean` is a weighted mean of a
+/// map, `square` that of its squares, and `inverse_count` makes of the variance that of the mean: s^2.
+void shrink_row(const float* mean, const float* square, const float* inverse_count, float prior, int count, float* out);
 
 /// Replaces the risks of `entries` maps by weights: 1 for the entry of least risk (the first of equals), 0 for the
 /// others.

@@ -89,7 +89,7 @@ TEST_CASE("denoise: parameters reach the filter") {
   CHECK(changes({"--feature-sigma", "normal=0,albedo=0"}));
   CHECK(changes({"--selection", "argmin"}));
   CHECK(changes({"--strength", "0.5"}));
-  CHECK_FALSE(changes({"--filter", "cross-bilateral", "--bank", "final", "--selection", "blend"}));
+  CHECK_FALSE(changes({"--filter", "cross-bilateral", "--bank", "final", "--selection", "evidence"}));
   CHECK_FALSE(changes({"--threads", "2", "--tile", "16x8"}));
 }
 

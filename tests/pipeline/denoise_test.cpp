@@ -95,18 +95,18 @@ TEST_CASE("denoise: strength 0 is the input to the bit, and the error that of th
   CHECK(half.report.mean_error[1] == Approx(scene.mse(half)).epsilon(0.12));
 }
 
-TEST_CASE("denoise: argmin picks one entry a pixel and blending is at least as good here") {
+TEST_CASE("denoise: argmin picks one entry a pixel and evidence is at least as good here") {
   const Scene scene(0.2);
   DenoiseParams params;
   params.selection = Selection::kArgmin;
   const DenoiseResult hard = denoise(scene.frame.frame(), params);
-  params.selection = Selection::kBlend;
-  const DenoiseResult blend = denoise(scene.frame.frame(), params);
-  CHECK(scene.mse(blend) < scene.mse(hard));
+  params.selection = Selection::kEvidence;
+  const DenoiseResult evidence = denoise(scene.frame.frame(), params);
+  CHECK(scene.mse(evidence) < scene.mse(hard));
   double shares = 0;
-  for (const double share : blend.report.choice_share) shares += share;
+  for (const double share : evidence.report.choice_share) shares += share;
   CHECK(shares == Approx(1.0));
-  CHECK(blend.report.candidates.size() == 8);
+  CHECK(evidence.report.candidates.size() == 8);
 }
 
 TEST_CASE("denoise: an invalid pixel leaves no halo and is counted") {

@@ -43,7 +43,8 @@ TEST_CASE("risk: what the frame has decides, and the report says so") {
 
   const RiskChoice asked = choice(with.frame(), Risk::kPlain);
   CHECK(asked.name == "SURE");
-  CHECK(has_warning(asked.warnings, "plain SURE"));
+  CHECK(has_warning(asked.warnings, "count as 0"));
+  CHECK_FALSE(asked.knows_covariances);
 
   CHECK(choice(with.frame(), Risk::kMonteCarlo).name == "Monte Carlo joint SURE");
   CHECK(choice(without.frame(), Risk::kMonteCarlo).name == "Monte Carlo SURE");

@@ -31,6 +31,25 @@ TEST_CASE("argmin_row: all equal gives the first entry, a single entry itself") 
   CHECK(risks[0] == std::vector<float>(4, 1.0F));
 }
 
+TEST_CASE("shrink_row: local evidence counts as far as it goes beyond its standard error") {
+  constexpr float kPrior = 1.0F;
+  // Differences from the prior of 2, 2, 2, -2, 0.1 with standard errors 0, 1, 3, 1, 1; then rounding below zero.
+  const std::vector<float> mean = {3.0F, 3.0F, 3.0F, -1.0F, 1.1F, 3.0F};
+  const std::vector<float> variance = {0.0F, 4.0F, 36.0F, 4.0F, 4.0F, -1.0F};
+  std::vector<float> square(6);
+  for (std::size_t i = 0; i < 6; ++i) square[i] = mean[i] * mean[i] + variance[i];
+  const std::vector<float> inverse_count(6, 0.25F);
+  std::vector<float> out(7, -5.0F);
+  shrink_row(mean.data(), square.data(), inverse_count.data(), kPrior, 6, out.data());
+  CHECK(out[0] == 3.0F);
+  CHECK(out[1] == Approx(1.0 + 2.0 * (1.0 - 1.0 / 4.0)));
+  CHECK(out[2] == kPrior);
+  CHECK(out[3] == Approx(1.0 - 2.0 * (1.0 - 1.0 / 4.0)));
+  CHECK(out[4] == kPrior);
+  CHECK(out[5] == 3.0F);
+  CHECK(out[6] == -5.0F);
+}
+
 TEST_CASE("largest_row: the index of the largest weight, the first of equals") {
   const std::array<std::vector<float>, 3> weights = {std::vector<float>{0.5F, 0.2F, 0.3F, 0.4F, 0.0F},
                                                      std::vector<float>{0.3F, 0.6F, 0.3F, 0.2F, 0.5F},

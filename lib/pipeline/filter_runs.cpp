@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Joint SURE: Li, "Joint Stein's Unbiased Risk Estimation for Adaptive Sampling and Reconstruction", 2017.
+#include "pipeline/filter_runs.hpp"
+
+#include <string>
+
+#include "select/selection.hpp"
+#include "stein/error.hpp"
+
+namespace stein {
+namespace {
+
+int draws_of(const DenoiseParams& params, Risk risk) {
+  return risk == Risk::kMonteCarlo ? params.monte_carlo.draws : 0;
+}
+
+}  // namespace
+
+std::vector<int> run_halos(const DenoiseParams& params, Risk risk) {
+  const std::vector<int> one = halos(params.filter);
+  std::vector<int> all = one;
+  for (int draw = 0; draw < draws_of(params, risk); ++draw) all.insert(all.end(), one.begin(), one.end());
+  return all;
+}
+
+FilterRuns::FilterRuns(const Source& source, const DenoiseParams& params, Risk risk,
+                       const exec::RowPipelineGeometry& geometry, int ring_rows, int slots)
+    : source_(source),
+      params_(params),
+      geometry_(geometry),
+      passes_(halos(params.filter)),
+      scratch_(static_cast<std::size_t>(slots)),
+      directions_(static_cast<std::size_t>(slots), std::vector<float>(static_cast<std::size_t>(geometry.tile_width))) {
+  add_run(risk, {}, ring_rows);
+  for (int draw = 0; draw < draws_of(params, risk); ++draw) {
+    add_run(risk, Perturbation{params.monte_carlo.seed, draw, params.monte_carlo.step}, ring_rows);
+  }
+}
+
+void FilterRuns::add_run(Risk risk, const std::optional<Perturbation>& perturbation, int ring_rows) {
+  auto run = std::make_unique<Run>();
+  if (perturbation) run->perturbed.emplace(source_.perturbed(*perturbation));
+  const Source& source = perturbation ? *run->perturbed : source_;
+  run->guides.emplace(make_guides(params_.filter, source, ring_rows));
+  const Divergence divergence = risk == Risk::kJoint ? Divergence::kJoint : Divergence::kPlain;
+  run->filter = prepare(params_.filter,
+                        {source, *run->guides, geometry_.tile_width, geometry_.tile_height, ring_rows, divergence});
+  entries_ = run->filter->candidates() + 1;
+  if (entries_ > kMaxEntries) {
+    throw Error(ErrorCode::kInvalidArgument, "the filter has " + std::to_string(entries_ - 1) +
+                                                 " candidates; at most " + std::to_string(kMaxEntries - 1) +
+                                                 " can be chosen from");
+  }
+  run->candidates = exec::RowRing((entries_ - 1) * CandidateRows::kPlanes, geometry_.width, ring_rows);
+  runs_.push_back(std::move(run));
+}
+
+void FilterRuns::add_stages(const CutTile& wanted_rows, const TileStep& then, std::vector<exec::RowStage>& list) {
+  for (std::size_t r = 0; r < runs_.size(); ++r) {
+    Run& run = *runs_[r];
+    list.push_back({"guides", 0, 0.5, [&run](const Rect& tile, int /*slot*/) { run.guides->prepare(tile); }});
+    for (std::size_t p = 0; p < passes_.size(); ++p) {
+      const bool is_last = p + 1 == passes_.size();
+      const auto run_pass = [this, &run, r, p, is_last, then](const Rect& tile, int slot) {
+        const auto s = static_cast<std::size_t>(slot);
+        run.filter->run(static_cast<int>(p), tile, scratch_[s], CandidateRows(run.candidates));
+        if (is_last && r > 0) add_draw(run, tile, directions_[s].data());
+        if (is_last && r + 1 == runs_.size()) then(tile, slot);
+      };
+      exec::RowStage stage{r == 0 ? "filter" : "draws", passes_[p], 15.0 / static_cast<double>(passes_.size()),
+                           run_pass};
+      if (is_last && wanted_rows) {
+        stage.run = [run_pass, wanted_rows](const Rect& tile, int slot) {
+          for (const Rect& part : wanted_rows(tile)) run_pass(part, slot);
+        };
+      }
+      list.push_back(std::move(stage));
+    }
+  }
+}
+
+// Monte Carlo SURE: D = b (F(y + step b) - F(y)) / step, mean over the draws. With b of the joint covariance of colour
+// and features its expectation is the sum of both derivative terms of Joint SURE Eq. 2.
+void FilterRuns::add_draw(const Run& draw, const Rect& tile, float* b) const {
+  const int n = tile.width();
+  const float factor = 1.0F / (params_.monte_carlo.step * static_cast<float>(params_.monte_carlo.draws));
+  const bool is_first = &draw == runs_[1].get();
+  const CandidateRows base = candidates();
+  const CandidateRows moved(draw.candidates);
+  for (int y = tile.y0; y < tile.y1; ++y) {
+    for (int c = 0; c < 3; ++c) {
+      draw.perturbed->direction_row(static_cast<std::size_t>(c), y, tile.x0, n, b);
+      for (int k = 0; k + 1 < entries_; ++k) {
+        const float* F = base.result(k, c, y) + tile.x0;
+        const float* F_moved = moved.result(k, c, y) + tile.x0;
+        float* D = base.divergence(k, c, y) + tile.x0;
+        for (int i = 0; i < n; ++i) D[i] = (is_first ? 0.0F : D[i]) + factor * b[i] * (F_moved[i] - F[i]);
+      }
+    }
+  }
+}
+
+}  // namespace stein

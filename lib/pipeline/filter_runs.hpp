@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The filter on the frame and, for a Monte Carlo risk, on perturbed ones.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "exec/row_pipeline.hpp"
+#include "filters/filter.hpp"
+#include "stein/denoise.hpp"
+
+namespace stein {
+
+/// The halos of all passes of all runs.
+[[nodiscard]] std::vector<int> run_halos(const DenoiseParams& params, Risk risk);
+
+class FilterRuns {
+ public:
+  /// Everything referred to must outlive this. `ring_rows`: rows of the windows that hold results.
+  FilterRuns(const Source& source, const DenoiseParams& params, Risk risk, const exec::RowPipelineGeometry& geometry,
+             int ring_rows, int slots);
+
+  [[nodiscard]] int entries() const noexcept { return entries_; }  ///< candidates and the unfiltered input
+  [[nodiscard]] const GuideRows& guides() const noexcept { return *runs_.front()->guides; }
+  /// F and D of the frame's own run.
+  [[nodiscard]] CandidateRows candidates() const noexcept { return CandidateRows(runs_.front()->candidates); }
+
+  using TileStep = std::function<void(const Rect& tile, int slot)>;
+  /// Appends the stages that fill candidates(); `then` is called for each tile that is done. With `wanted_rows`, which
+  /// may cut a tile to the rows that are needed, the last passes leave out the others.
+  using CutTile = std::function<std::vector<Rect>(const Rect& tile)>;
+  void add_stages(const CutTile& wanted_rows, const TileStep& then, std::vector<exec::RowStage>& list);
+
+ private:
+  struct Run {
+    std::optional<Source> perturbed;
+    std::optional<GuideRows> guides;
+    std::unique_ptr<PreparedFilter> filter;
+    exec::RowRing candidates;
+  };
+
+  void add_run(Risk risk, const std::optional<Perturbation>& perturbation, int ring_rows);
+  void add_draw(const Run& draw, const Rect& tile, float* b) const;
+
+  const Source& source_;
+  const DenoiseParams& params_;
+  exec::RowPipelineGeometry geometry_;
+  std::vector<int> passes_;
+  std::vector<std::unique_ptr<Run>> runs_;  // the frame's own first, then the draws
+  int entries_ = 0;
+  std::vector<FilterScratch> scratch_;          // per slot
+  std::vector<std::vector<float>> directions_;  // per slot: a row as wide as a tile
+};
+
+}  // namespace stein

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "filters/filter.hpp"
+
+namespace stein {
+
+inline constexpr float kRelativeEpsilon = 0.01F;  ///< of relative MSE, SBF sec. 5.2
+
+/// The candidate whose F weighs the errors of all entries: a fairly wide one (sigma_s = 4 in both banks of the paper).
+[[nodiscard]] constexpr int common_candidate(int entries) noexcept { return 2 * (entries - 1) / 3; }
+
+/// out[e][i]: relative risk of entry e at pixel (x0 + i, y), SURE (SBF Eq. 2) of each channel over F^2 + 0.01, mean
+/// over the channels. Entry 0 is the unfiltered input. F is the same for all entries: weights of their own would favour
+/// entries that are too bright, and a noisy F correlates with the risk it weighs.
+/// `lines`: scratch of 6 rows, `pitch` apart.
+void relative_risk_rows(const Source& source, const CandidateRows& candidates, int entries, const Rect& tile, int y,
+                        float* lines, std::ptrdiff_t pitch, float* const* out);
+
+}  // namespace stein

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A first look at a part of the image: what its mean risks say of the entries, and of the variances that were given.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "exec/row_pipeline.hpp"
+#include "pipeline/filter_runs.hpp"
+#include "prefilter/source.hpp"
+
+namespace stein {
+
+/// A mean over the surveyed pixels and its standard error.
+struct Estimate {
+  double value = 0;
+  double standard_error = 0;
+};
+
+struct Survey {
+  std::vector<float> mean_risk;  ///< per entry: mean relative risk, clipped as for the choice
+  int best = 0;                  ///< the entry where it is least
+  /// Relative to the squared colour, as relative risks are:
+  std::vector<Estimate> risk;  ///< per entry, not clipped
+  double noise = 0;            ///< mean of the variances of the mean
+  double residual = 0;         ///< mean square of the residuals y - F of a fairly wide candidate
+  Estimate correlation;        ///< mean product of the residuals of horizontal neighbours
+};
+
+/// Runs the filter on an eighth of the rows (all of them in images of fewer than 256) and takes means there.
+[[nodiscard]] Survey survey(const Source& source, FilterRuns& runs, const exec::RowPipelineGeometry& geometry,
+                            exec::Runner& runner, double progress_weight);
+
+/// What the survey says against the variances that were given, in words. `joint`: the risk accounts for covariances of
+/// all that guides the filter.
+[[nodiscard]] std::vector<std::string> doubts(const Survey& survey, bool joint);
+
+}  // namespace stein
