@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Errors on a folder of renders: FOLDER/<scene>/{*.exr, ref.exr}. Prints the Markdown table of docs/quality.md.
+// Errors on a folder of renders: FOLDER/<scene>/{*.exr, ref.exr}. Prints the Markdown tables of docs/quality.md.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "metrics/metrics.hpp"
+#include "quality/bank.hpp"
 #include "stein/denoise.hpp"
 #include "stein/error.hpp"
 #include "stein/exr.hpp"
@@ -47,10 +49,10 @@ stein::metrics::Rgb rgb(const std::vector<stein::Plane>& planes) {
   return {planes[0].view(), planes[1].view(), planes[2].view()};
 }
 
-void print_line(const fs::path& file) {
+void print_errors(const fs::path& file, const stein::DenoiseParams& params) {
   const stein::exr::NamedPlanes reference = stein::exr::read_planes((file.parent_path() / "ref.exr").string());
   const stein::exr::LoadedFrame loaded = stein::exr::read_frame(file.string());
-  const stein::DenoiseResult result = stein::denoise(loaded.frame());
+  const stein::DenoiseResult result = stein::denoise(loaded.frame(), params);
   const std::array<stein::Plane, 3>& colour = result.colour;
   const stein::metrics::Rgb image = {colour[0].view(), colour[1].view(), colour[2].view()};
   const stein::metrics::Comparison before = stein::metrics::compare(loaded.frame().colour, rgb(reference.planes));
@@ -62,19 +64,86 @@ void print_line(const fs::path& file) {
   std::fflush(stdout);
 }
 
+std::string title(const fs::path& file) { return file.parent_path().filename().string() + " " + file.stem().string(); }
+
+// Estimated over true mean error of every entry as a fixed filter.
+void print_risks(const fs::path& file, const stein::DenoiseParams& params) {
+  const bool is_closed = stein::has_derivative(params.filter);
+  const stein::quality::Bank bank(file.string(), params, is_closed ? stein::Risk::kJoint : stein::Risk::kMonteCarlo);
+  const std::vector<std::string> names = stein::candidate_names(params.filter);
+  for (int e = 1; e < bank.entries(); ++e) {
+    const stein::quality::EntryErrors errors = bank.errors(e);
+    std::printf("| %s | %s | %.5g / %.5g | %.2f | %.5f / %.5f | %.2f | %.2f |\n", title(file).c_str(),
+                names[static_cast<std::size_t>(e)].c_str(), errors.estimated, errors.truth,
+                errors.estimated / errors.truth, errors.estimated_relative, errors.true_relative,
+                errors.estimated_relative / errors.true_relative, errors.trimmed_ratio);
+  }
+  std::fflush(stdout);
+}
+
+void print_choices(const fs::path& file, const stein::DenoiseParams& params, std::vector<double>& log_sums) {
+  const bool is_closed = stein::has_derivative(params.filter);
+  const stein::quality::Bank bank(file.string(), params, is_closed ? stein::Risk::kJoint : stein::Risk::kMonteCarlo);
+  const stein::quality::Choices choices = bank.choices();
+  const double values[] = {choices.best_single, choices.argmin, choices.evidence, choices.oracle};
+  std::printf("| %s |", title(file).c_str());
+  for (std::size_t i = 0; i < 4; ++i) {
+    std::printf(" %.5f |", values[i]);
+    log_sums[i] += std::log(values[i]);
+  }
+  std::printf("\n");
+  std::fflush(stdout);
+}
+
+int usage() {
+  std::fprintf(stderr,
+               "usage: stein_quality FOLDER [--filter NAME] [--table errors|risk|selection]\n"
+               "FOLDER holds one folder per scene with ref.exr and noisy renders.\n");
+  return 2;
+}
+
+void print_table(const std::string& table, const std::vector<fs::path>& files, const stein::DenoiseParams& params) {
+  if (table == "errors") {
+    std::printf(
+        "| scene, file | input relMSE / SSIM | stein relMSE / SSIM | trimmed relMSE | estimated MSE | true MSE |\n"
+        "|---|---|---|---|---|---|\n");
+    for (const fs::path& file : files) print_errors(file, params);
+  } else if (table == "risk") {
+    std::printf(
+        "| scene, file | entry | estimated / true MSE | ratio | relative | ratio | trimmed "
+        "|\n|---|---|---|---|---|---|---|\n");
+    for (const fs::path& file : files) print_risks(file, params);
+  } else {
+    std::vector<double> log_sums(4, 0.0);
+    std::printf("| scene, file | best single entry | argmin | evidence | oracle |\n|---|---|---|---|---|\n");
+    for (const fs::path& file : files) print_choices(file, params, log_sums);
+    std::printf("| geometric mean |");
+    for (const double sum : log_sums) std::printf(" %.5f |", std::exp(sum / static_cast<double>(files.size())));
+    std::printf("\n");
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::fprintf(stderr,
-                 "usage: stein_quality FOLDER\nFOLDER holds one folder per scene with ref.exr and noisy renders.\n");
-    return 2;
-  }
+  std::string folder;
+  std::string table = "errors";
+  stein::DenoiseParams params;
   try {
-    std::printf(
-        "| scene, file | input relMSE / SSIM | stein relMSE / SSIM | trimmed relMSE | estimated MSE | true MSE |\n");
-    std::printf("|---|---|---|---|---|---|\n");
-    for (const fs::path& file : noisy_files(argv[1])) print_line(file);
+    for (int i = 1; i < argc; ++i) {
+      const std::string argument = argv[i];
+      if (argument == "--filter" && i + 1 < argc) {
+        params.filter = stein::make_filter(argv[++i]);
+      } else if (argument == "--table" && i + 1 < argc) {
+        table = argv[++i];
+      } else if (folder.empty() && argument.rfind("--", 0) != 0) {
+        folder = argument;
+      } else {
+        return usage();
+      }
+    }
+    if (folder.empty() || (table != "errors" && table != "risk" && table != "selection")) return usage();
+    print_table(table, noisy_files(folder), params);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "stein_quality: %s\n", error.what());
     return 1;
