@@ -46,6 +46,7 @@ class Atrous final : public PreparedFilter {
         layout_(context.tile_width, context.tile_height, kSmoothingHalo) {
     for (int i = 0; i < levels_; ++i) {
       rings_.emplace_back(kNoisePlane + 1, source_.frame().width, context.window_rows);
+      correlations_.push_back(static_cast<float>(tap_correlation(i)));
     }
   }
 
@@ -105,7 +106,7 @@ class Atrous final : public PreparedFilter {
     row.step = 1 << level;
     row.count = tile.width();
     row.value_factor = value_factor_;
-    row.correlation = static_cast<float>(tap_correlation(level));
+    row.correlation = correlations_[static_cast<std::size_t>(level)];
     row.fixed_weight = detail_.fixed_weight;
     row.margin = detail_.margin;
     row.weight_steps = detail_.weight_steps;
@@ -149,6 +150,7 @@ class Atrous final : public PreparedFilter {
   float value_factor_;
   exec::TileLayout layout_;
   std::vector<exec::RowRing> rings_;  // of each level
+  std::vector<float> correlations_;
 };
 
 AtrousParams plain(const AtrousSureParams& params) { return {params.levels, params.value_sigma, params.guides}; }
