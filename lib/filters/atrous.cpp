@@ -89,12 +89,13 @@ class Atrous final : public PreparedFilter {
     row.maps = 1;
     row.count = tile.width();
     row.result[0] = rings_[0].row(kNoisePlane, tile.y0 + y) + tile.x0;
-    for (int dy = -kSmoothingHalo; dy <= kSmoothingHalo; ++dy) {
+    for (std::size_t r = 0; r < kSpline.size(); ++r) {
+      const int dy = static_cast<int>(r) - kSmoothingHalo;
       if (!has_row(tile.y0 + y + dy)) continue;
       row.around[row.rows] = guides_.feature_row(tile.x0, tile.y0 + y + dy);
       row.map[row.rows][0] = planes.row(0, y + dy);
       for (std::size_t t = 0; t < kSpline.size(); ++t) {
-        row.spatial[row.rows][t] = kSpline.at(static_cast<std::size_t>(dy + kSmoothingHalo)) * kSpline[t];
+        row.spatial[row.rows][t] = kSpline[r] * kSpline[t];
       }
       ++row.rows;
     }
@@ -130,13 +131,13 @@ class Atrous final : public PreparedFilter {
     row.centre_noise = ring.row(kNoisePlane, y) + x;
     for (int c = 0; c < 3; ++c) row.centre_colour[c] = ring.row(c, y) + x;
     row.rows = 0;
-    for (int dy = -kRadius; dy <= kRadius; ++dy) {
-      const int source_y = y + dy * row.step;
+    for (std::size_t r = 0; r < kSpline.size(); ++r) {
+      const int source_y = y + (static_cast<int>(r) - kRadius) * row.step;
       if (!has_row(source_y)) continue;
       row.around[row.rows] = guides_.feature_row(x, source_y);
       row.noise[row.rows] = ring.row(kNoisePlane, source_y) + x;
       for (int c = 0; c < 3; ++c) row.colour[row.rows][c] = ring.row(c, source_y) + x;
-      row.spline[row.rows] = kSpline.at(static_cast<std::size_t>(dy + kRadius));
+      row.spline[row.rows] = kSpline[r];
       ++row.rows;
     }
   }

@@ -22,7 +22,7 @@ double deviation(const AtrousSureParams& params, const FilterSpec& spec, const F
   for (std::size_t c = 0; c < 3; ++c) {
     for (int y = 0; y < frame.height; ++y) {
       for (int x = 0; x < frame.width; ++x) {
-        const double e = expected[c][static_cast<std::size_t>(y * frame.width + x)];
+        const double e = expected[c][pixel_index(frame.width, x, y)];
         const double error = std::abs(bank.result[0][c].row(y)[x] - e) / (1.0 + std::abs(e));
         if (!(error <= largest)) largest = error;  // NaN is the largest of all
       }
@@ -162,7 +162,7 @@ TEST_CASE("atrous: weights in steps are the nearest multiples") {
   int between = 0;
   for (int y = 0; y < 36; ++y) {
     for (int x = 0; x < 40; ++x) {
-      const auto i = static_cast<std::size_t>(y * 40 + x);
+      const std::size_t i = pixel_index(40, x, y);
       const double detail = levels[0].detail[0][i];
       if (std::abs(detail) < 0.05) continue;
       const double w = (bank.result[0][0].row(y)[x] - levels[1].colour[0][i]) / detail;
@@ -191,7 +191,7 @@ TEST_CASE("atrous: the noise of every level and of its details is what flat imag
       double ratio = 0;
       for (int y = margin; y < kSize - margin; ++y) {
         for (int x = margin; x < kSize - margin; ++x) {
-          const auto i = static_cast<std::size_t>(y * kSize + x);
+          const std::size_t i = pixel_index(kSize, x, y);
           for (const auto& plane : levels[l + 1].colour)
             squares += std::pow(plane[i] - 0.5, 2) / levels[l + 1].noise[i];
           ratio += levels[l].energy[i] / levels[l].noise_energy[i];

@@ -30,9 +30,7 @@ class Features {
       groups_.push_back(std::move(group));
     }
   }
-  [[nodiscard]] std::size_t index(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
-  }
+  [[nodiscard]] std::size_t index(int x, int y) const { return pixel_index(width_, x, y); }
   // Sum of D^2 / (2 sigma^2), SBF Eq. 4 and 6.
   [[nodiscard]] double exponent(std::size_t i, std::size_t j) const {
     double sum = 0;
@@ -73,10 +71,10 @@ double correlation_reference(int level) {
       std::vector<double> next(image.size(), 0.0);
       for (int y = 0; y < kSize; ++y) {
         for (int x = 0; x < kSize; ++x) {
-          const double v = image[static_cast<std::size_t>(y * kSize + x)];
+          const double v = image[pixel_index(kSize, x, y)];
           for (int t = 0; t < 25 && v != 0; ++t) {
-            const int at = (y + ((t / 5 - 2) << l)) * kSize + x + ((t % 5 - 2) << l);
-            next[static_cast<std::size_t>(at)] +=
+            const int step = 1 << l;
+            next[pixel_index(kSize, x + (t % 5 - 2) * step, y + (t / 5 - 2) * step)] +=
                 v * kSpline[static_cast<std::size_t>(t % 5)] * kSpline[static_cast<std::size_t>(t / 5)];
           }
         }
@@ -104,7 +102,7 @@ void for_each_tap(const Image& image, int x, int y, int step, Visit visit) {
     const int px = x + (t % 5 - 2) * step;
     const int py = y + (t / 5 - 2) * step;
     if (px < 0 || py < 0 || px >= image.width || py >= image.height) continue;
-    const auto j = static_cast<std::size_t>(py * image.width + px);
+    const std::size_t j = pixel_index(image.width, px, py);
     if (image.valid[j] != 0) {
       visit(j, kSpline[static_cast<std::size_t>(t % 5)] * kSpline[static_cast<std::size_t>(t / 5)]);
     }
@@ -113,7 +111,7 @@ void for_each_tap(const Image& image, int x, int y, int step, Visit visit) {
 
 AtrousLevel first_level(const Source& source, const Features& features, Image& image) {
   AtrousLevel level;
-  const auto pixels = static_cast<std::size_t>(image.width * image.height);
+  const std::size_t pixels = pixel_index(image.width, 0, image.height);
   image.valid.resize(pixels);
   std::vector<double> noise(pixels, 0.0);
   for (auto& plane : level.colour) plane.resize(pixels);

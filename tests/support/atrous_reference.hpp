@@ -21,6 +21,11 @@ struct AtrousLevel {
   std::vector<double> detail_weight;          ///< as `params` says, but not rounded to steps
 };
 
+/// Where the planes hold pixel (x, y).
+[[nodiscard]] inline std::size_t pixel_index(int width, int x, int y) {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+}
+
 /// All levels, the first one that of the frame; levels + 1 of them.
 std::vector<AtrousLevel> atrous_reference(const AtrousSureParams& params, const Source& source);
 
