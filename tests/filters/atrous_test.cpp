@@ -147,6 +147,20 @@ TEST_CASE("atrous: the plain filter keeps no detail, and all of it gives the inp
   }
 }
 
+TEST_CASE("atrous: a pixel's colour reaches as far as the taps of all levels together, and no farther") {
+  OwnedFrame frame(133, 133, {});
+  AtrousParams params;
+  params.value_sigma = 0.0F;
+  frame.at("R", 66, 66) = 1e9F;
+  const BankResult bank = run_filter(params, frame.frame());
+  constexpr int kReach = 2 * (1 + 2 + 4 + 8 + 16);
+  CHECK(bank.halo == kReach + 2);  // and 2 for the noise
+  CHECK(bank.result[0][0].row(66)[66 + kReach] > 0.6F);
+  CHECK(bank.result[0][0].row(66 - kReach)[66] > 0.6F);
+  CHECK(bank.result[0][0].row(66)[66 - kReach - 1] == Approx(0.5));
+  CHECK(bank.result[0][0].row(66 + kReach + 1)[66] == Approx(0.5));
+}
+
 TEST_CASE("atrous: weights in steps are the nearest multiples") {
   OwnedFrame frame(40, 36, kUsualFeatures);
   fill_random(frame, 10);
