@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Kernels over one tile, one thread. items = pixels; flops as counted in docs/performance.md.
+// Kernels over one tile, filters of several passes over a frame; one thread. items = pixels; flops as counted in
+// docs/performance.md.
 #include <benchmark/benchmark.h>
 
 #include <vector>
@@ -56,6 +57,39 @@ void kernel_cross_bilateral_range_term(benchmark::State& state) {
   run_bank(state, params);
 }
 BENCHMARK(kernel_cross_bilateral_range_term);
+
+// All passes of a filter over a frame, tile by tile.
+template <class Params>
+void run_passes(benchmark::State& state, const Params& params) {
+  constexpr int kSize = 512;
+  constexpr int kWidth = 128;
+  constexpr int kHeight = 32;
+  const BenchFrame frame(kSize, kSize);
+  const Source source(frame.frame(), inspect(frame.frame()));
+  const GuideRows guides = make_guides(params, source, kSize);
+  guides.prepare({0, 0, kSize, kSize});
+  const auto filter = prepare(params, {source, guides, kWidth, kHeight, kSize, Divergence::kPlain});
+  const exec::RowRing ring(filter->candidates() * CandidateRows::kPlanes, kSize, kSize);
+  FilterScratch scratch;
+  const int passes = static_cast<int>(halos(params).size());
+  for (auto _ : state) {
+    for (int pass = 0; pass < passes; ++pass) {
+      for (int y = 0; y < kSize; y += kHeight) {
+        for (int x = 0; x < kSize; x += kWidth) {
+          filter->run(pass, {x, y, x + kWidth, y + kHeight}, scratch, CandidateRows(ring));
+        }
+      }
+    }
+  }
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * kSize * kSize);
+  state.SetLabel(kernels::instruction_set());
+}
+
+void filter_atrous(benchmark::State& state) { run_passes(state, AtrousParams{}); }
+BENCHMARK(filter_atrous);
+
+void filter_atrous_sure(benchmark::State& state) { run_passes(state, AtrousSureParams{}); }
+BENCHMARK(filter_atrous_sure);
 
 }  // namespace
 }  // namespace stein::bench

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -65,7 +66,50 @@ struct GaussianParams {
   [[nodiscard]] std::vector<std::string> candidate_names() const;  ///< without the unfiltered input
 };
 
-using FilterSpec = std::variant<CrossBilateralParams, GaussianParams>;
+/// The feature terms of the à-trous filters: wider than those of the cross-bilateral bank, as every level weighs edges
+/// anew and the sigmas fall by a factor of 0.8 from level to level.
+[[nodiscard]] FeatureGuides atrous_guides();
+
+/// Edge-avoiding à-trous filter, SURE-À-Trous sec. 2.1: one candidate.
+struct AtrousParams {
+  static constexpr std::string_view kName = "atrous";
+  static constexpr bool kHasDerivative = false;
+
+  int levels = 5;  ///< [1..5]; level i has taps 2^i pixels apart
+
+  /// Edges in the colour: standard deviations of the noise, as left at the level, that a difference may have.
+  /// [0.1..100]; 0: only features stop.
+  float value_sigma = 3.5F;
+
+  FeatureGuides guides = atrous_guides();
+
+  void check() const;                                              ///< see stein::check
+  [[nodiscard]] std::vector<std::string> candidate_names() const;  ///< without the unfiltered input
+};
+
+/// The same with what each level removes, its detail, given back in part, SURE-À-Trous sec. 2.2: one candidate.
+struct AtrousSureParams {
+  static constexpr std::string_view kName = "atrous-sure";
+  static constexpr bool kHasDerivative = false;
+
+  int levels = 5;            ///< as for AtrousParams
+  float value_sigma = 3.5F;  ///< as for AtrousParams
+  FeatureGuides guides = atrous_guides();
+
+  /// The share of the detail that is kept, [0..1], everywhere; none: by SURE for each pixel and level.
+  std::optional<float> fixed_weight;
+
+  /// Factor to the noise in SURE. 1: unbiased; above: detail must stand out from the noise to be kept. [0..100]
+  float noise_margin = 5.0F;
+
+  /// Shares are multiples of 1 / weight_steps, [0..100]; 0: any. 5 are those of the paper.
+  int weight_steps = 0;
+
+  void check() const;                                              ///< see stein::check
+  [[nodiscard]] std::vector<std::string> candidate_names() const;  ///< without the unfiltered input
+};
+
+using FilterSpec = std::variant<CrossBilateralParams, GaussianParams, AtrousParams, AtrousSureParams>;
 
 /// The name of a filter, as on the command line.
 [[nodiscard]] std::string_view filter_name(const FilterSpec& spec);

@@ -72,6 +72,12 @@ void require_scales(const std::string& prefix, const std::vector<float>& spatial
   }
 }
 
+void require_atrous(const std::string& owner, int levels, float value_sigma, const FeatureGuides& guides) {
+  require_in_range(owner + ": levels", static_cast<float>(levels), 1.0F, 5.0F);
+  if (value_sigma != 0.0F) require_in_range(owner + ": value_sigma (0: off)", value_sigma, 0.1F, 100.0F);
+  guides.check(owner);
+}
+
 }  // namespace
 
 std::string to_text(float value) { return chars_of(value); }
@@ -137,6 +143,10 @@ std::vector<std::string> CrossBilateralParams::candidate_names() const { return 
 
 std::vector<std::string> GaussianParams::candidate_names() const { return scale_names(spatial_sigmas); }
 
+std::vector<std::string> AtrousParams::candidate_names() const { return {"levels=" + std::to_string(levels)}; }
+
+std::vector<std::string> AtrousSureParams::candidate_names() const { return {"levels=" + std::to_string(levels)}; }
+
 float FeatureGuides::sigma_of(std::string_view feature) const {
   for (const FeatureSigma& entry : feature_sigmas) {
     if (entry.name == feature) return entry.sigma;
@@ -162,6 +172,22 @@ void CrossBilateralParams::check() const {
   require_scales(prefix, spatial_sigmas);
   require_not_negative(prefix + "range_sigma", range_sigma);
   guides.check(std::string(kName));
+}
+
+FeatureGuides atrous_guides() {
+  FeatureGuides guides;
+  guides.feature_sigmas = {{"normal", 1.04F}, {"albedo", 0.325F}, {"depth", 0.78F}, {"position", 0.0F}};
+  return guides;
+}
+
+void AtrousParams::check() const { require_atrous(std::string(kName), levels, value_sigma, guides); }
+
+void AtrousSureParams::check() const {
+  require_atrous(std::string(kName), levels, value_sigma, guides);
+  const std::string prefix = std::string(kName) + ": ";
+  if (fixed_weight) require_in_range(prefix + "fixed_weight", *fixed_weight, 0.0F, 1.0F);
+  require_in_range(prefix + "noise_margin", noise_margin, 0.0F, 100.0F);
+  require_in_range(prefix + "weight_steps", static_cast<float>(weight_steps), 0.0F, 100.0F);
 }
 
 void GaussianParams::check() const { require_scales(std::string(kName) + ": ", spatial_sigmas); }

@@ -63,8 +63,8 @@ class RowRing {
  public:
   RowRing() = default;
   RowRing(int planes, int width, int capacity);
-  static constexpr int kPadding =
-      16;  ///< readable floats left of pixel 0, and right of the last one; zero unless written
+  /// Readable floats left of pixel 0, and right of the last one; zero unless written.
+  static constexpr int kPadding = 32;
   /// Pixel (0, y). Up to 15 floats past the last pixel may be written.
   [[nodiscard]] float* row(int plane, int y) const noexcept {
     return buffer_.data() + plane * plane_stride_ + static_cast<std::ptrdiff_t>(y % capacity_) * pitch_ + kPadding;

@@ -81,6 +81,14 @@ struct FilterContext {
 [[nodiscard]] GuideRows make_guides(const GaussianParams& params, const Source& source, int rows);
 [[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const GaussianParams& params, const FilterContext& context);
 
+[[nodiscard]] std::vector<int> halos(const AtrousParams& params);
+[[nodiscard]] GuideRows make_guides(const AtrousParams& params, const Source& source, int rows);
+[[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const AtrousParams& params, const FilterContext& context);
+
+[[nodiscard]] std::vector<int> halos(const AtrousSureParams& params);
+[[nodiscard]] GuideRows make_guides(const AtrousSureParams& params, const Source& source, int rows);
+[[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const AtrousSureParams& params, const FilterContext& context);
+
 /// The overloads for the alternative that `spec` holds.
 [[nodiscard]] std::vector<int> halos(const FilterSpec& spec);
 [[nodiscard]] GuideRows make_guides(const FilterSpec& spec, const Source& source, int rows);

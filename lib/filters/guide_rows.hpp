@@ -45,8 +45,8 @@ class GuideRows {
 
   /// Kernel arguments for row y of a loaded tile, range term included.
   [[nodiscard]] kernels::Guides tile_row(const exec::TilePlanes& planes, int y) const;
-  /// Kernel arguments for pixel (x, y) of the image in place, features only; 16 pixels beyond either side of the image
-  /// may be read and have mask 0.
+  /// Kernel arguments for pixel (x, y) of the image in place, features only; RowRing::kPadding pixels beyond either
+  /// side of the image may be read and have mask 0.
   [[nodiscard]] kernels::Guides feature_row(int x, int y) const;
 
  private:

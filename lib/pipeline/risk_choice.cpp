@@ -24,6 +24,10 @@ NoisyGuides noisy_guides(const Frame& frame, const FilterSpec& spec) {
             (feature.colour_covariance.empty() ? noisy.unknown : noisy.known).push_back(feature.name);
           }
         }
+        if constexpr (requires { params.value_sigma; }) {
+          if (params.value_sigma > 0.0F)
+            (frame.colour_covariance[0] ? noisy.known : noisy.unknown).emplace_back("the colour channels");
+        }
         if constexpr (requires { params.range_sigma; }) {
           if (params.range_sigma > 0.0F)
             (frame.colour_covariance[0] ? noisy.known : noisy.unknown).emplace_back("the colour channels");

@@ -24,6 +24,7 @@ double difference(const BankResult& a, const BankResult& b, double factor, Map m
           const auto [bx, by] = map(x, y);
           const double value = factor * a.result[s][c].row(y)[x];
           largest = larger(largest, std::abs(value - b.result[s][c].row(by)[bx]) / factor);
+          if (a.divergence.empty()) continue;
           const double divergence = factor * factor * a.divergence[s][c].row(y)[x];
           largest = larger(largest, std::abs(divergence - b.divergence[s][c].row(by)[bx]) / (factor * factor * 0.01));
         }
@@ -61,6 +62,9 @@ std::vector<FilterSpec> specs() {
   CrossBilateralParams with_range;
   with_range.range_sigma = 0.5F;
   all.emplace_back(with_range);
+  AtrousSureParams half_kept;
+  half_kept.fixed_weight = 0.5F;
+  all.emplace_back(half_kept);
   return all;
 }
 
@@ -161,17 +165,21 @@ TEST_CASE("every filter: flipped and transposed input gives flipped and transpos
 
 TEST_CASE("every filter: pixels beyond the declared halo cannot change a tile") {
   for (const FilterSpec& spec : specs()) {
-    OwnedFrame frame(96, 80, kUsualFeatures);
+    // The tile [x0, x0 + 8) x [y0, y0 + 6), with room around it for pixels that are beyond its halo.
+    const int halo = reach(spec);
+    const int x0 = halo + 20;
+    const int y0 = halo + 17;
+    const int width = x0 + halo + 28;
+    const int height = y0 + halo + 23;
+    OwnedFrame frame(width, height, kUsualFeatures);
     fill_random(frame, 23);
     const BankResult before = run_filter(spec, frame.frame());
-    // Changes every plane outside of the halo of the tile [40, 48) x [36, 42); quantiles for the depth stay as they
-    // are.
-    const int halo = before.halo;
+    // Changes every plane outside of the halo; quantiles for the depth stay as they are.
     for (const std::string& name : frame.names()) {
       if (name == "sampleCount" || name.rfind("depth", 0) == 0) continue;
-      for (int y = 0; y < 80; ++y) {
-        for (int x = 0; x < 96; ++x) {
-          const bool far = x < 40 - halo || x >= 48 + halo || y < 36 - halo || y >= 42 + halo;
+      for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+          const bool far = x < x0 - halo || x >= x0 + 8 + halo || y < y0 - halo || y >= y0 + 6 + halo;
           if (far) frame.at(name, x, y) += 1.0F;
         }
       }
@@ -179,10 +187,10 @@ TEST_CASE("every filter: pixels beyond the declared halo cannot change a tile") 
     const BankResult after = run_filter(spec, frame.frame());
     bool changed_elsewhere = false;
     for (std::size_t s = 0; s < before.result.size(); ++s) {
-      for (int y = 0; y < 80; ++y) {
-        for (int x = 0; x < 96; ++x) {
+      for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
           const bool same = before.result[s][1].row(y)[x] == after.result[s][1].row(y)[x];
-          if (x >= 40 && x < 48 && y >= 36 && y < 42) CHECK(same);
+          if (x >= x0 && x < x0 + 8 && y >= y0 && y < y0 + 6) CHECK(same);
           changed_elsewhere = changed_elsewhere || !same;
         }
       }

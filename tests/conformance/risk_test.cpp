@@ -35,6 +35,11 @@ std::vector<FilterSpec> specs() {
   CrossBilateralParams with_range;  // nonlinear in the colour
   with_range.range_sigma = 0.6F;
   all.emplace_back(with_range);
+  for (const float weight : {0.2F, 0.4F, 0.6F, 0.8F, 1.0F}) {  // 0 is the plain filter
+    AtrousSureParams kept;
+    kept.fixed_weight = weight;
+    all.emplace_back(kept);
+  }
   return all;
 }
 
@@ -49,29 +54,17 @@ struct Estimates {
 Estimates estimate(const FilterSpec& spec, const Frame& frame, int realisation) {
   Estimates all;
   all.is_closed = has_derivative(spec);
-  all.joint = run_filter(spec, frame);
-  if (all.is_closed) all.plain = run_filter(spec, frame, {.divergence = Divergence::kPlain});
-  const Perturbation perturbation{static_cast<std::uint64_t>(realisation) + 1, 0, kStep};
-  all.monte_carlo = run_filter(spec, frame, {.perturbation = perturbation});
-  const Source moved = Source(frame, inspect(frame)).perturbed(perturbation);
-  std::vector<float> b(static_cast<std::size_t>(frame.width));
-  for (std::size_t k = 0; k < all.joint.result.size(); ++k) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      for (int y = 0; y < frame.height; ++y) {
-        moved.direction_row(c, y, 0, frame.width, b.data());
-        const float* F = all.joint.result[k][c].row(y);
-        const float* F_moved = all.monte_carlo.result[k][c].row(y);
-        float* D = all.monte_carlo.divergence[k][c].row(y);
-        for (int x = 0; x < frame.width; ++x) D[x] = b[static_cast<std::size_t>(x)] * (F_moved[x] - F[x]) / kStep;
-      }
-    }
+  if (all.is_closed) {
+    all.joint = run_filter(spec, frame);
+    all.plain = run_filter(spec, frame, {.divergence = Divergence::kPlain});
   }
+  all.monte_carlo = run_with_draw(spec, frame, {static_cast<std::uint64_t>(realisation) + 1, 0, kStep});
   return all;
 }
 
 // Risk minus true error, mean over the image, of the candidate that `choose` names for each pixel.
 template <class Choose>
-double bias(const NoisyScene& scene, const BankResult& F, const BankResult& D, Choose choose) {
+double bias(const NoisyScene& scene, const BankResult& bank, Choose choose) {
   double sum = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     for (int y = 0; y < scene.height(); ++y) {
@@ -79,9 +72,9 @@ double bias(const NoisyScene& scene, const BankResult& F, const BankResult& D, C
         const std::size_t k = choose(x, y, c);
         const float mean = scene.frame().colour[c].at(x, y);
         const float variance = scene.frame().colour_variance[c].at(x, y);
-        const float f = F.result[k][c].row(y)[x];
+        const float f = bank.result[k][c].row(y)[x];
         float risk = 0;
-        sure_row(&f, &D.divergence[k][c].row(y)[x], &mean, &variance, 1, &risk);
+        sure_row(&f, &bank.divergence[k][c].row(y)[x], &mean, &variance, 1, &risk);
         const double error = f - scene.truth(c, x, y);
         sum += risk - error * error;
       }
@@ -130,18 +123,18 @@ Biases measure(const FilterSpec& spec, NoisyScene& scene, int realisations) {
     const Estimates e = estimate(spec, scene.frame(), i);
     for (std::size_t k = 0; k < candidates; ++k) {
       const auto fixed = [k](int, int, std::size_t) { return k; };
-      const double by_draw = bias(scene, e.joint, e.monte_carlo, fixed);
+      const double by_draw = bias(scene, e.monte_carlo, fixed);
       all.monte_carlo[k].add(by_draw);
-      all.error[k].add(true_error(scene, e.joint, k));
+      all.error[k].add(true_error(scene, e.monte_carlo, k));
       if (!e.is_closed) continue;
-      const double closed = bias(scene, e.joint, e.joint, fixed);
+      const double closed = bias(scene, e.joint, fixed);
       all.joint[k].add(closed);
       all.closed_minus_monte_carlo[k].add(closed - by_draw);
-      all.plain[k].add(bias(scene, e.joint, e.plain, fixed));
+      all.plain[k].add(bias(scene, e.plain, fixed));
     }
     if (!e.is_closed || candidates < 2) continue;
     const auto chosen = [&](int x, int y, std::size_t c) { return argmin(scene, e.joint, x, y, c); };
-    all.choice.add(bias(scene, e.joint, e.joint, chosen));
+    all.choice.add(bias(scene, e.joint, chosen));
   }
   return all;
 }

@@ -140,6 +140,32 @@ TEST_CASE("A value out of range is refused with parameter, value and range") {
   }
 }
 
+TEST_CASE("The ranges of the à-trous filters") {
+  const auto plain = [](auto change) {
+    stein::AtrousParams params;
+    change(params);
+    return refusal(params);
+  };
+  const auto sure = [](auto change) {
+    stein::AtrousSureParams params;
+    change(params);
+    return refusal(params);
+  };
+  CHECK(plain([](auto& p) { p.levels = 1; }).empty());
+  CHECK(plain([](auto& p) { p.value_sigma = 0; }).empty());
+  CHECK(contains(plain([](auto& p) { p.levels = 0; }), "atrous: levels is 0, must be in [1..5]"));
+  CHECK(contains(plain([](auto& p) { p.levels = 6; }), "levels is 6"));
+  CHECK(contains(plain([](auto& p) { p.value_sigma = 0.05F; }), "value_sigma (0: off) is 0.05, must be in [0.1..100]"));
+  CHECK(contains(plain([](auto& p) { p.value_sigma = NAN; }), "value_sigma"));
+  CHECK(contains(plain([](auto& p) { p.guides.other_feature_sigma = -1; }), "atrous: other_feature_sigma is -1"));
+  CHECK(sure([](auto& p) { p.fixed_weight = 1.0F; }).empty());
+  CHECK(contains(sure([](auto& p) { p.levels = 6; }), "atrous-sure: levels is 6"));
+  CHECK(contains(sure([](auto& p) { p.fixed_weight = 1.1F; }), "atrous-sure: fixed_weight is 1.1, must be in [0..1]"));
+  CHECK(contains(sure([](auto& p) { p.noise_margin = -1; }), "noise_margin is -1, must be in [0..100]"));
+  CHECK(contains(sure([](auto& p) { p.weight_steps = -1; }), "weight_steps is -1, must be in [0..100]"));
+  CHECK_FALSE(stein::has_derivative(stein::AtrousParams{}));
+}
+
 TEST_CASE("Numbers in texts are short and do not depend on the locale") {
   CHECK(stein::to_text(0.1F) == "0.1");
   CHECK(stein::to_text(16.0F) == "16");

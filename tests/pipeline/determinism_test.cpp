@@ -55,4 +55,21 @@ TEST_CASE("denoise: 1, 2 and 5 threads and three tile sizes give identical bits"
   }
 }
 
+TEST_CASE("denoise: a filter of several passes in a window of rows gives the bits of whole images") {
+  OwnedFrame frame(37, 700, kUsualFeatures);  // far higher than the window of one thread with small tiles
+  fill_random(frame, 32);
+  frame.at("G", 10, 401) = std::numeric_limits<float>::quiet_NaN();
+  DenoiseParams params;
+  params.filter = AtrousSureParams{};
+  params.execution.tile_width = 512;
+  params.execution.tile_height = 700;
+  const DenoiseResult reference = denoise(frame.frame(), params);
+  for (const int threads : {1, 3}) {
+    params.execution.threads = threads;
+    params.execution.tile_width = 16;
+    params.execution.tile_height = 3;
+    CHECK(same_bits(reference, denoise(frame.frame(), params)));
+  }
+}
+
 }  // namespace stein::test

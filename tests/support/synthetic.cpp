@@ -140,7 +140,25 @@ BankResult run_filter(const FilterSpec& spec, const Frame& frame, const RunOptio
       }
     }
     bank.result.push_back(std::move(result));
-    bank.divergence.push_back(std::move(divergence));
+    if (has_derivative(spec)) bank.divergence.push_back(std::move(divergence));
+  }
+  return bank;
+}
+
+BankResult run_with_draw(const FilterSpec& spec, const Frame& frame, const Perturbation& draw) {
+  BankResult bank = run_filter(spec, frame);
+  bank.divergence = run_filter(spec, frame, {64, 32, Divergence::kPlain, draw}).result;
+  const Source moved = Source(frame, inspect(frame)).perturbed(draw);
+  std::vector<float> b(static_cast<std::size_t>(frame.width));
+  for (std::size_t s = 0; s < bank.result.size(); ++s) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (int y = 0; y < frame.height; ++y) {
+        moved.direction_row(c, y, 0, frame.width, b.data());
+        float* D = bank.divergence[s][c].row(y);
+        const float* F = bank.result[s][c].row(y);
+        for (int x = 0; x < frame.width; ++x) D[x] = b[static_cast<std::size_t>(x)] * (D[x] - F[x]) / draw.step;
+      }
+    }
   }
   return bank;
 }

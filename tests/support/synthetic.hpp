@@ -75,7 +75,7 @@ void copy_mapped(OwnedFrame& source, OwnedFrame& target, Map map) {
 /// What a filter gave: planes[candidate][channel].
 struct BankResult {
   std::vector<std::array<Plane, 3>> result;
-  std::vector<std::array<Plane, 3>> divergence;
+  std::vector<std::array<Plane, 3>> divergence;  ///< empty where the filter does not know its derivative
   int halo = 0;
 };
 
@@ -87,5 +87,8 @@ struct RunOptions {
   std::optional<Perturbation> perturbation = std::nullopt;
 };
 BankResult run_filter(const FilterSpec& spec, const Frame& frame, const RunOptions& options = {});
+
+/// The same with the divergence from one run on perturbed input: D = b (F' - F) / step.
+BankResult run_with_draw(const FilterSpec& spec, const Frame& frame, const Perturbation& draw);
 
 }  // namespace stein::test
