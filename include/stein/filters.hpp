@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -65,7 +66,34 @@ struct GaussianParams {
   [[nodiscard]] std::vector<std::string> candidate_names() const;  ///< without the unfiltered input
 };
 
-using FilterSpec = std::variant<CrossBilateralParams, GaussianParams>;
+/// How cross non-local means measures the distance of two pixels of a patch.
+enum class PatchDistance : std::uint8_t {
+  kAbsolute,            ///< squared difference of the colours, SBF Eq. 10; sigma_r is in units of radiance
+  kVarianceNormalised,  ///< what exceeds the difference that noise explains, over the noise; independent of exposure
+};
+
+/// Cross non-local means bank, SBF sec. 5.4, Eq. 10 and 14: one candidate per range sigma.
+struct CrossNlmParams {
+  static constexpr std::string_view kName = "cross-nlm";
+  static constexpr bool kHasDerivative = true;
+
+  /// sigma_r of the candidates, ascending, each [1e-6..1e6], at most 12; in units of radiance with absolute distances.
+  std::vector<float> range_sigmas = {0.005F, 0.01F, 0.02F, 0.04F, 0.08F, 0.16F, 0.32F, 0.64F};
+
+  PatchDistance distance = PatchDistance::kAbsolute;
+  int window_radius = 20;  ///< [1..32] px
+  int patch_radius = 2;    ///< [0..4] px
+
+  FeatureGuides guides;
+
+  void check() const;                                              ///< see stein::check
+  [[nodiscard]] std::vector<std::string> candidate_names() const;  ///< without the unfiltered input
+};
+
+/// The smaller window for use between sampling iterations.
+[[nodiscard]] CrossNlmParams intermediate_cross_nlm();
+
+using FilterSpec = std::variant<CrossBilateralParams, GaussianParams, CrossNlmParams>;
 
 /// The name of a filter, as on the command line.
 [[nodiscard]] std::string_view filter_name(const FilterSpec& spec);

@@ -81,6 +81,10 @@ struct FilterContext {
 [[nodiscard]] GuideRows make_guides(const GaussianParams& params, const Source& source, int rows);
 [[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const GaussianParams& params, const FilterContext& context);
 
+[[nodiscard]] std::vector<int> halos(const CrossNlmParams& params);
+[[nodiscard]] GuideRows make_guides(const CrossNlmParams& params, const Source& source, int rows);
+[[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const CrossNlmParams& params, const FilterContext& context);
+
 /// The overloads for the alternative that `spec` holds.
 [[nodiscard]] std::vector<int> halos(const FilterSpec& spec);
 [[nodiscard]] GuideRows make_guides(const FilterSpec& spec, const Source& source, int rows);

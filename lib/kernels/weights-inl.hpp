@@ -79,13 +79,10 @@ HWY_INLINE void add_group(FloatTag d, const Guides& centre, const Guides& around
   }
 }
 
-// w[t] = mask * 2^-d between the pixel x of `centre` and the pixels x + offsets[t] of `around`. kUsual: see is_usual().
+// Distances d between the pixel x of `centre` and the pixels at[t] of `around`, without masks. kUsual: see is_usual().
 template <bool kUsual, int kTaps>
-HWY_INLINE void guide_weights(FloatTag d, const Guides& centre, const Guides& around, std::ptrdiff_t x,
-                              const std::ptrdiff_t* offsets, FloatVec (&w)[kTaps]) {
-  std::ptrdiff_t at[kTaps];
-  for (int t = 0; t < kTaps; ++t) at[t] = x + offsets[t];
-  FloatVec distance[kTaps];
+HWY_INLINE void guide_distances(FloatTag d, const Guides& centre, const Guides& around, std::ptrdiff_t x,
+                                const std::ptrdiff_t (&at)[kTaps], FloatVec (&distance)[kTaps]) {
   for (FloatVec& v : distance) v = hn::Zero(d);
   Distances<kTaps> part;
   if constexpr (kUsual) {
@@ -104,8 +101,19 @@ HWY_INLINE void guide_weights(FloatTag d, const Guides& centre, const Guides& ar
     }
   }
   const FloatVec scale = hn::Set(d, centre.distance_scale);
+  for (FloatVec& v : distance) v = hn::Mul(v, scale);
+}
+
+// w[t] = mask * 2^-d between the pixel x of `centre` and the pixels x + offsets[t] of `around`.
+template <bool kUsual, int kTaps>
+HWY_INLINE void guide_weights(FloatTag d, const Guides& centre, const Guides& around, std::ptrdiff_t x,
+                              const std::ptrdiff_t* offsets, FloatVec (&w)[kTaps]) {
+  std::ptrdiff_t at[kTaps];
+  for (int t = 0; t < kTaps; ++t) at[t] = x + offsets[t];
+  FloatVec distance[kTaps];
+  guide_distances<kUsual>(d, centre, around, x, at, distance);
   for (int t = 0; t < kTaps; ++t) {
-    w[t] = hn::Mul(exp2_negative(d, hn::Mul(distance[t], scale)), hn::LoadU(d, around.mask + at[t]));
+    w[t] = hn::Mul(exp2_negative(d, distance[t]), hn::LoadU(d, around.mask + at[t]));
   }
 }
 
@@ -143,18 +151,14 @@ HWY_INLINE void add_group_with_slopes(FloatTag d, const Guides& centre, const Gu
   }
 }
 
-// guide_weights() and, for each colour channel, minus the relative change of the weight with it: slope[c][t].
+// Distances d to the pixels x + offsets[t], without masks, and for each colour channel minus the relative change of 2^-d
+// with it: slope[c][t].
 template <bool kUsual, int kTaps>
-HWY_INLINE void guide_weights_and_slopes(FloatTag d, const Guides& centre, const Guides& around,
-                                         const float* const (&covariance)[3][kMaxGuideChannels], std::ptrdiff_t x,
-                                         const std::ptrdiff_t* offsets, FloatVec (&w)[kTaps],
-                                         FloatVec (&slope)[3][kTaps]) {
-  std::ptrdiff_t at[kTaps];
-  FloatVec distance[kTaps];
-  for (int t = 0; t < kTaps; ++t) {
-    at[t] = x + offsets[t];
-    distance[t] = slope[0][t] = slope[1][t] = slope[2][t] = hn::Zero(d);
-  }
+HWY_INLINE void guide_distances_and_slopes(FloatTag d, const Guides& centre, const Guides& around,
+                                           const float* const (&covariance)[3][kMaxGuideChannels], std::ptrdiff_t x,
+                                           const std::ptrdiff_t (&at)[kTaps], FloatVec (&distance)[kTaps],
+                                           FloatVec (&slope)[3][kTaps]) {
+  for (int t = 0; t < kTaps; ++t) distance[t] = slope[0][t] = slope[1][t] = slope[2][t] = hn::Zero(d);
   if constexpr (kUsual) {
     add_group_with_slopes(d, centre, around, covariance, 0, 0, 3, x, at, distance, slope);
     add_group_with_slopes(d, centre, around, covariance, 1, 3, 6, x, at, distance, slope);
@@ -167,8 +171,21 @@ HWY_INLINE void guide_weights_and_slopes(FloatTag d, const Guides& centre, const
     }
   }
   const FloatVec scale = hn::Set(d, centre.distance_scale);
+  for (FloatVec& v : distance) v = hn::Mul(v, scale);
+}
+
+// guide_weights() and the slopes of guide_distances_and_slopes().
+template <bool kUsual, int kTaps>
+HWY_INLINE void guide_weights_and_slopes(FloatTag d, const Guides& centre, const Guides& around,
+                                         const float* const (&covariance)[3][kMaxGuideChannels], std::ptrdiff_t x,
+                                         const std::ptrdiff_t* offsets, FloatVec (&w)[kTaps],
+                                         FloatVec (&slope)[3][kTaps]) {
+  std::ptrdiff_t at[kTaps];
+  for (int t = 0; t < kTaps; ++t) at[t] = x + offsets[t];
+  FloatVec distance[kTaps];
+  guide_distances_and_slopes<kUsual>(d, centre, around, covariance, x, at, distance, slope);
   for (int t = 0; t < kTaps; ++t) {
-    w[t] = hn::Mul(exp2_negative(d, hn::Mul(distance[t], scale)), hn::LoadU(d, around.mask + at[t]));
+    w[t] = hn::Mul(exp2_negative(d, distance[t]), hn::LoadU(d, around.mask + at[t]));
   }
 }
 

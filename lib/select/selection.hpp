@@ -5,7 +5,7 @@
 
 namespace stein {
 
-inline constexpr int kMaxEntries = 9;  ///< the unfiltered input and the candidates of a bank
+inline constexpr int kMaxEntries = 13;  ///< the unfiltered input and the candidates of a bank
 
 /// Relative risk is clipped to +-kRiskLimit before it is smoothed: a single pixel's vote is bounded. For the choice
 /// only; the error that is reported is not clipped.
