@@ -83,6 +83,8 @@ struct CrossNlmParams {
   PatchDistance distance = PatchDistance::kAbsolute;
   int window_radius = 20;  ///< [1..32] px
   int patch_radius = 2;    ///< [0..4] px
+  /// Patches are compared by colours blurred over 3x3 pixels with weights 1, patch_blur and patch_blur^2. [0..1]
+  float patch_blur = 0.5F;
 
   FeatureGuides guides;
 

@@ -191,6 +191,7 @@ void CrossNlmParams::check() const {
   require_sigmas(prefix, "range_sigmas", range_sigmas, {1e-6F, 1e6F, "", 12});
   require_in_range(prefix + "window_radius", static_cast<float>(window_radius), 1.0F, 32.0F, "px");
   require_in_range(prefix + "patch_radius", static_cast<float>(patch_radius), 0.0F, 4.0F, "px");
+  require_in_range(prefix + "patch_blur", patch_blur, 0.0F, 1.0F);
   guides.check(std::string(kName));
 }
 

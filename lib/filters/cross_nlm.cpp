@@ -5,16 +5,18 @@
 //
 // Where this differs from the paper: docs/filters/cross_nlm.md.
 //
-// symbol           | here                                           | Eq.
-// |c_i+n - c_j+n|^2 | kernels/patch_distance-inl.hpp                 | 10
-// D(f_i, f_j)      | kernels/weights-inl.hpp, guides from GuideRows | 6
-// w_ij, F, D       | kernels/cross_nlm.cpp                          | 10, 5, 14; Joint SURE Eq. 2
+// symbol            | here                                           | Eq.
+// |c_i+n - c_j+n|^2 | kernels/patch_distance-inl.hpp, of BlurredRows | 10
+// D(f_i, f_j)       | kernels/weights-inl.hpp, guides from GuideRows | 6
+// w_ij, F, D        | kernels/cross_nlm.cpp                          | 10, 5, 14; Joint SURE Eq. 2
 #include "kernels/cross_nlm.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <numbers>
 
+#include "filters/blurred_rows.hpp"
 #include "filters/filter.hpp"
 
 namespace stein {
@@ -23,17 +25,24 @@ namespace {
 constexpr double kLog2E = std::numbers::log2e;
 constexpr float kSlope = static_cast<float>(2.0 * std::numbers::ln2);  // see CrossBilateralRow::covariance
 
-// Offsets of the window, those in the patch first, padded to whole batches.
+// Neighbours whose patches, of blurred colours, depend on the pixel.
+int near_radius(const CrossNlmParams& params) { return std::min(params.patch_radius + 1, params.window_radius); }
+
+int tile_halo(const CrossNlmParams& params) { return params.window_radius + std::max(params.patch_radius, 1); }
+
+// Offsets of the window, the near ones first, padded to whole batches.
 std::vector<std::ptrdiff_t> window_taps(const CrossNlmParams& params, const exec::TileLayout& layout) {
   std::vector<std::ptrdiff_t> taps;
-  const int near = std::min(params.patch_radius, params.window_radius);
+  const int radius = params.window_radius;
   for (const bool is_near : {true, false}) {
-    for (int dy = -params.window_radius; dy <= params.window_radius; ++dy) {
-      for (int dx = -params.window_radius; dx <= params.window_radius; ++dx) {
-        if ((std::max(std::abs(dx), std::abs(dy)) <= near) == is_near) taps.push_back(layout.offset(dx, dy));
+    for (int dy = -radius; dy <= radius; ++dy) {
+      for (int dx = -radius; dx <= radius; ++dx) {
+        const bool near = std::max(std::abs(dx), std::abs(dy)) <= near_radius(params);
+        if (near == is_near) taps.push_back(layout.offset(dx, dy));
       }
     }
   }
+  while (taps.size() % kernels::kTapBatch != 0) taps.push_back(0);
   return taps;
 }
 
@@ -43,23 +52,23 @@ class CrossNlm final : public PreparedFilter {
       : source_(context.source),
         guides_(context.guides),
         divergence_(context.divergence),
-        layout_(context.tile_width, context.tile_height, params.window_radius + params.patch_radius),
+        layout_(context.tile_width, context.tile_height, tile_halo(params)),
         taps_(window_taps(params, layout_)) {
-    const int near = 2 * std::min(params.patch_radius, params.window_radius) + 1;
-    rows_.tap_count = static_cast<int>(taps_.size());
-    taps_.resize((taps_.size() + kernels::kTapBatch - 1) / kernels::kTapBatch * kernels::kTapBatch, 0);
     rows_.taps = taps_.data();
-    rows_.near_count = near * near;
+    rows_.tap_count = (2 * params.window_radius + 1) * (2 * params.window_radius + 1);
+    rows_.near_radius = near_radius(params);
     rows_.pitch = layout_.pitch;
     rows_.patch_radius = params.patch_radius;
     rows_.window_radius = params.window_radius;
+    rows_.blur = params.patch_blur;
     rows_.is_normalised = params.distance == PatchDistance::kVarianceNormalised;
     rows_.has_guide_covariance = divergence_ == Divergence::kJoint && guides_.has_covariance(divergence_);
     rows_.candidates = static_cast<int>(params.range_sigmas.size());
+    const double channels = rows_.is_normalised ? 1.0 : 3.0;  // noise and distance are sums over the channels alike
     for (std::size_t s = 0; s < params.range_sigmas.size(); ++s) {
       const double sigma = params.range_sigmas[s];
-      rows_.exponent[s] = static_cast<float>(kLog2E / (2.0 * sigma * sigma));
-      rows_.slope[s] = static_cast<float>(1.0 / (sigma * sigma));
+      rows_.exponent[s] = static_cast<float>(kLog2E / (2.0 * sigma * sigma * channels));
+      rows_.slope[s] = static_cast<float>(1.0 / (sigma * sigma * channels));
     }
   }
 
@@ -68,7 +77,7 @@ class CrossNlm final : public PreparedFilter {
   void run(int /*pass*/, const Rect& tile, FilterScratch& scratch, const CandidateRows& out) const override {
     exec::TilePlanes& planes = scratch.tile;
     const int colour = guides_.planes();
-    planes.reserve(layout_, colour + 4);
+    planes.reserve(layout_, colour + 3 + kBlurredPlanes);
     guides_.load(tile, planes);
     load_colour(tile, planes, colour);
 
@@ -80,17 +89,15 @@ class CrossNlm final : public PreparedFilter {
     for (int y = 0; y < tile.height(); y += kernels::kNlmBlockRows) {
       rows.rows = std::min(kernels::kNlmBlockRows, tile.height() - y);
       rows.guides = guides_.tile_row(planes, y);
-      for (int c = 0; c < 3; ++c) rows.colour[c] = planes.row(colour + c, y);
-      rows.noise = planes.row(colour + 3, y);
-      load_own({tile.x0, tile.y0 + y, tile.x1, tile.y0 + y + rows.rows}, own, rows);
-      for (int k = 0; k < rows.rows; ++k) {
-        for (int s = 0; s < rows.candidates; ++s) {
-          for (int c = 0; c < 3; ++c) {
-            rows.result[k][s][c] = out.result(s, c, tile.y0 + y + k) + tile.x0;
-            rows.divergence[k][s][c] = out.divergence(s, c, tile.y0 + y + k) + tile.x0;
-          }
-        }
+      for (int c = 0; c < 3; ++c) {
+        rows.colour[c] = planes.row(colour + c, y);
+        rows.blurred[c] = planes.row(colour + 3 + c, y);
       }
+      rows.gain = planes.row(colour + 6, y);
+      rows.noise = planes.row(colour + 7, y);
+      const Rect target{tile.x0, tile.y0 + y, tile.x1, tile.y0 + y + rows.rows};
+      load_own(target, own, rows);
+      set_outputs(target, out, rows);
       kernels::cross_nlm_rows(rows);
     }
   }
@@ -106,54 +113,53 @@ class CrossNlm final : public PreparedFilter {
 
   void load_colour(const Rect& tile, exec::TilePlanes& planes, int first_plane) const {
     const Frame& frame = source_.frame();
-    load_tile(tile, frame.width, frame.height, planes, first_plane, 4, [&](int y, int x, int n, float* const* rows) {
-      for (std::size_t c = 0; c < 3; ++c) source_.colour_row(c, y, x, n, rows[c]);
-      load_noise(y, x, n, rows[3]);
-    });
+    load_tile(tile, frame.width, frame.height, planes, first_plane, 3 + kBlurredPlanes,
+              [&](int y, int x, int n, float* const* rows) {
+                for (std::size_t c = 0; c < 3; ++c) source_.colour_row(c, y, x, n, rows[c]);
+                blurred_row(source_, rows_.blur, y, x, n, rows + 3);
+              });
   }
 
-  // Sum over the channels of the variance of the mean.
-  void load_noise(int y, int x, int count, float* noise) const {
-    std::fill_n(noise, count, 0.0F);
-    if (!rows_.is_normalised) return;
-    float variance[kChunk];
-    for (int start = 0; start < count; start += kChunk) {
-      const int part = std::min(kChunk, count - start);
-      for (std::size_t c = 0; c < 3; ++c) {
-        source_.variance_row(c, y, x + start, part, variance);
-        for (int i = 0; i < part; ++i) noise[start + i] += variance[i];
+  static void set_outputs(const Rect& target, const CandidateRows& out, kernels::CrossNlmRows& rows) {
+    for (int y = 0; y < target.height(); ++y) {
+      for (int s = 0; s < rows.candidates; ++s) {
+        for (int c = 0; c < 3; ++c) {
+          rows.result[y][s][c] = out.result(s, c, target.y0 + y) + target.x0;
+          rows.divergence[y][s][c] = out.divergence(s, c, target.y0 + y) + target.x0;
+        }
       }
     }
   }
 
   void load_own(const Rect& target, float* first, kernels::CrossNlmRows& rows) const {
-    const int channels = guides_.channels();
+    const auto channels = static_cast<std::size_t>(guides_.channels());
     for (std::size_t k = 0; k < own_planes(); ++k) {
-      float* plane = first + k * plane_floats();
-      if (k < 6) rows.colour_covariance[k] = plane;
-      else rows.guide_covariance[(k - 6) / channels][(k - 6) % channels] = plane;
+      const float*& plane =
+          k < 6 ? rows.colour_covariance[k] : rows.guide_covariance[(k - 6) / channels][(k - 6) % channels];
+      plane = first + k * plane_floats();
     }
     constexpr std::size_t kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
     const int n = target.width();
     const int tail = (kernels::kMaxLanes - n % kernels::kMaxLanes) % kernels::kMaxLanes;
     for (int y = 0; y < target.height(); ++y) {
+      const int image_y = target.y0 + y;
       const auto row = [&](std::size_t k) { return first + k * plane_floats() + y * layout_.pitch; };
       for (std::size_t k = 0; k < 6; ++k) {
         if (k < 3 || divergence_ == Divergence::kJoint) {
-          source_.colour_covariance_row(kPairs[k][0], kPairs[k][1], target.y0 + y, target.x0, n, row(k));
+          source_.colour_covariance_row(kPairs[k][0], kPairs[k][1], image_y, target.x0, n, row(k));
         } else {
           std::fill_n(row(k), n, 0.0F);
         }
       }
       float* guide_rows[3 * kernels::kMaxGuideChannels];
       for (std::size_t k = 6; k < own_planes(); ++k) guide_rows[k - 6] = row(k);
-      if (rows.has_guide_covariance)
-        guides_.covariance_rows(divergence_, kSlope, target.y0 + y, target.x0, n, guide_rows);
+      if (rows.has_guide_covariance) {
+        guides_.covariance_rows(divergence_, kSlope, image_y, target.x0, n, guide_rows);
+      }
       for (std::size_t k = 0; k < own_planes(); ++k) std::fill_n(row(k) + n, tail, 0.0F);
     }
   }
 
-  static constexpr int kChunk = 512;
   const Source& source_;
   const GuideRows& guides_;
   Divergence divergence_;
@@ -164,7 +170,7 @@ class CrossNlm final : public PreparedFilter {
 
 }  // namespace
 
-std::vector<int> halos(const CrossNlmParams& params) { return {params.window_radius + params.patch_radius}; }
+std::vector<int> halos(const CrossNlmParams& params) { return {tile_halo(params) + kBlurRadius}; }
 
 GuideRows make_guides(const CrossNlmParams& params, const Source& source, int rows) {
   return {source, params.guides, 0.0F, rows};

@@ -41,20 +41,13 @@ struct Batch {
   FloatVec patch_slope[3][kTaps];  // over 1 / sigma_r^2
 };
 
-// sum over the patches' pixels that depend on x_i, contracted with its covariances: SBF Eq. 14, second and third term.
+// The patches' slopes contracted with the pixel's covariances: SBF Eq. 14, second and third term.
 template <int kTaps>
 HWY_INLINE void patch_slopes(FloatTag d, const CrossNlmRows& rows, const BatchSite& site, Batch<kTaps>& batch) {
   FloatVec z[3][kTaps];
-  for (int t = 0; t < kTaps; ++t) {
-    const std::ptrdiff_t from = t * static_cast<std::ptrdiff_t>(kNlmBlockPixels);
-    const FloatVec slope = hn::Load(d, site.distances.slope + from);
-    for (int c = 0; c < 3; ++c) z[c][t] = hn::Mul(slope, batch.difference[c][t]);
-    if (site.distances.near_slope == nullptr) continue;
-    const FloatVec near_slope = hn::Load(d, site.distances.near_slope + from);
-    for (int c = 0; c < 3; ++c) {
-      const float* colour = rows.colour[c] + site.x;
-      const FloatVec opposite = hn::Sub(hn::LoadU(d, colour), hn::LoadU(d, colour - site.taps[t]));
-      z[c][t] = hn::MulAdd(near_slope, opposite, z[c][t]);
+  for (int c = 0; c < 3; ++c) {
+    for (int t = 0; t < kTaps; ++t) {
+      z[c][t] = hn::Load(d, site.distances.slope[c] + t * static_cast<std::ptrdiff_t>(kNlmBlockPixels));
     }
   }
   constexpr int kEntry[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
@@ -144,16 +137,14 @@ HWY_INLINE void add_batch(FloatTag d, const CrossNlmRows& rows, const BatchSite&
 
 // Sums over a group of taps for one vector of pixels.
 template <Slopes kSlopes, bool kUsual>
-HWY_NOINLINE void add_group_of_taps(const CrossNlmRows& rows, BatchSite site, int tap_count, int near_count) {
+HWY_NOINLINE void add_group_of_taps(const CrossNlmRows& rows, BatchSite site, int tap_count) {
   const FloatTag d;
   for (int t = 0; t < tap_count; t += kTapBatch) {
-    if (t >= near_count) site.distances.near_slope = nullptr;
     add_batch<kSlopes, kUsual>(d, rows, site);
     site.taps += kTapBatch;
     constexpr std::ptrdiff_t kStep = kTapBatch * static_cast<std::ptrdiff_t>(kNlmBlockPixels);
     site.distances.distance += kStep;
-    site.distances.slope += kStep;
-    if (site.distances.near_slope != nullptr) site.distances.near_slope += kStep;
+    for (auto& slope : site.distances.slope) slope += kStep;
   }
 }
 
@@ -172,13 +163,13 @@ HWY_INLINE Slopes slopes_at(FloatTag d, const CrossNlmRows& rows, std::ptrdiff_t
 }
 
 template <bool kUsual>
-void add_sums(const CrossNlmRows& rows, Slopes slopes, const BatchSite& site, int tap_count, int near_count) {
+void add_sums(const CrossNlmRows& rows, Slopes slopes, const BatchSite& site, int tap_count) {
   if (slopes == Slopes::kNone) {
-    add_group_of_taps<Slopes::kNone, kUsual>(rows, site, tap_count, near_count);
+    add_group_of_taps<Slopes::kNone, kUsual>(rows, site, tap_count);
   } else if (slopes == Slopes::kColour) {
-    add_group_of_taps<Slopes::kColour, kUsual>(rows, site, tap_count, near_count);
+    add_group_of_taps<Slopes::kColour, kUsual>(rows, site, tap_count);
   } else {
-    add_group_of_taps<Slopes::kColourAndGuides, kUsual>(rows, site, tap_count, near_count);
+    add_group_of_taps<Slopes::kColourAndGuides, kUsual>(rows, site, tap_count);
   }
 }
 
@@ -207,24 +198,25 @@ HWY_INLINE void finish(FloatTag d, const CrossNlmRows& rows, int y, std::ptrdiff
 // Fills the distances of taps [first, first + count); padding counts nothing.
 HWY_INLINE void fill_distances(const PatchBlock& block, int first, int count, const TapDistances& to) {
   const CrossNlmRows& rows = block.rows;
+  const int near_side = 2 * rows.near_radius + 1;
   for (int t = 0; t < count; ++t) {
+    const int index = first + t;
     const std::size_t at = static_cast<std::size_t>(t) * kNlmBlockPixels;
-    const bool is_near = first + t < rows.near_count;
-    if (!is_near) std::fill_n(to.near_slope + at, kNlmBlockPixels, 0.0F);
-    if (first + t < rows.tap_count) {
-      patch_distances(block, rows.taps[first + t],
-                      {to.distance + at, to.slope + at, is_near ? to.near_slope + at : nullptr});
-    } else {
-      std::fill_n(to.distance + at, kNlmBlockPixels, kNoNeighbour);
-      std::fill_n(to.slope + at, kNlmBlockPixels, 0.0F);
+    if (index < rows.tap_count) {
+      const Tap tap{rows.taps[index], index < near_side * near_side, index % near_side - rows.near_radius,
+                    index / near_side - rows.near_radius};
+      patch_distances(block, tap, {to.distance + at, {to.slope[0] + at, to.slope[1] + at, to.slope[2] + at}});
+      continue;
     }
+    std::fill_n(to.distance + at, kNlmBlockPixels, kNoNeighbour);
+    for (float* slope : to.slope) std::fill_n(slope + at, kNlmBlockPixels, 0.0F);
   }
 }
 
 // Whether all that the block's patches and neighbours reach are sources: then the patches' sizes are known.
 HWY_INLINE bool has_hole(FloatTag d, const PatchBlock& block) {
   const CrossNlmRows& rows = block.rows;
-  const int rim = rows.window_radius + rows.patch_radius;
+  const int rim = rows.window_radius + block.rim();
   const int lanes = static_cast<int>(hn::Lanes(d));
   for (int y = -rim; y < rows.rows + rim; ++y) {
     const float* mask = rows.guides.mask + block.x + y * rows.pitch;
@@ -243,9 +235,10 @@ HWY_INLINE void run_block(const CrossNlmRows& rows, std::ptrdiff_t x, int width)
   float* next = rows.scratch;
   const auto take = [&](std::size_t floats) { return std::exchange(next, next + floats); };
   constexpr std::size_t kGroup = kNlmTapGroup * kNlmBlockPixels;
-  const TapDistances distances{take(kGroup), take(kGroup), take(kGroup)};
-  PatchBlock block{rows, x, width, false, take(kNlmPatchFloats), take(kNlmPatchFloats), take(kNlmPatchFloats),
-                   take(kNlmPatchFloats), take(kNlmPatchFloats)};
+  const TapDistances distances{take(kGroup), {take(kGroup), take(kGroup), take(kGroup)}};
+  const auto field = [&] { return take(kNlmPatchFloats); };
+  PatchBlock block{rows, x, width, false,
+                   {field(), field(), {field(), field(), field()}, field(), field(), {field(), field(), field()}}};
   block.is_masked = has_hole(d, block);
   float* sums = next;
   const int vectors = width / lanes;
@@ -262,9 +255,10 @@ HWY_INLINE void run_block(const CrossNlmRows& rows, std::ptrdiff_t x, int width)
         site.x = x + v * lanes + y * rows.pitch;
         site.taps = rows.taps + first;
         const std::ptrdiff_t pixel = static_cast<std::ptrdiff_t>(kNlmBlockWidth) * y + v * lanes;
-        site.distances = {distances.distance + pixel, distances.slope + pixel, distances.near_slope + pixel};
+        site.distances = {distances.distance + pixel,
+                          {distances.slope[0] + pixel, distances.slope[1] + pixel, distances.slope[2] + pixel}};
         site.sums = sums + (y * vectors + v) * sums_step;
-        add_sums<kUsual>(rows, slopes_at(d, rows, site.x), site, count, rows.near_count - first);
+        add_sums<kUsual>(rows, slopes_at(d, rows, site.x), site, count);
       }
     }
   }

@@ -14,24 +14,28 @@ inline constexpr int kNlmTapGroup = 32;    ///< neighbours whose distances are h
 /// A few rows of a cross non-local means bank. Candidate s has weights 2^-(d + exponent[s] p) over the taps, with d the
 /// guides' distance and p that of the patches.
 ///
-/// Row y of every input is y * pitch further than the first one. Colour, noise and guides lie in a tile with a halo of
-/// the largest tap plus patch_radius; the pixel's own terms are read at target pixels only.
+/// Row y of every input is y * pitch further than the first one. Planes of neighbours lie in a tile with a halo of
+/// window_radius plus patch_radius, but at least 1; the pixel's own terms are read at target pixels only.
 struct CrossNlmRows {
   Guides guides;
-  const float* colour[3];
-  const float* noise = nullptr;  ///< variance of the mean, sum over the channels
-  bool is_normalised = false;    ///< distances are over the noise
+  const float* colour[3];   ///< what is averaged
+  const float* blurred[3];  ///< what patches are compared by: gain times the sum of the sources among 3x3 colours with
+                            ///< weights 1, blur or blur^2
+  const float* gain = nullptr;   ///< one over the sum of those weights
+  const float* noise = nullptr;  ///< variance of `blurred`, sum over the channels; read if is_normalised
+  float blur = 0;
+  bool is_normalised = false;  ///< distances are over the noise
   std::ptrdiff_t pitch = 0;
   int count = 0;         ///< target pixels in a row; read and written up to the next multiple of kMaxLanes
   int rows = 0;          ///< at most kNlmBlockRows
   int patch_radius = 0;  ///< at most kMaxPatchRadius
   int window_radius = 0;
 
-  /// Offsets of the neighbours in the window, the pixel itself included; those in the patch around it come first. Padded
-  /// with 0 to a multiple of kTapBatch.
+  /// Offsets of the neighbours in the window, the pixel itself included. First come those near enough for their patches
+  /// to depend on the pixel, row by row: the square of near_radius. Padded with 0 to a multiple of kTapBatch.
   const std::ptrdiff_t* taps = nullptr;
   int tap_count = 0;
-  int near_count = 0;
+  int near_radius = 0;
 
   int candidates = 0;
   float exponent[kMaxRangeSigmas];  ///< log2(e) / (2 sigma_r^2), descending
@@ -57,7 +61,7 @@ static_assert(2 * kMaxPatchRadius <= kMaxLanes);
 inline constexpr std::size_t kNlmPatchFloats = kNlmPatchWidth * (kNlmBlockRows + 2 * kMaxPatchRadius);
 
 [[nodiscard]] constexpr std::size_t cross_nlm_scratch(int candidates) noexcept {
-  return kNlmBlockPixels * (3 * kNlmTapGroup + kNlmSums * static_cast<std::size_t>(candidates)) + 5 * kNlmPatchFloats;
+  return kNlmBlockPixels * (4 * kNlmTapGroup + kNlmSums * static_cast<std::size_t>(candidates)) + 10 * kNlmPatchFloats;
 }
 
 void cross_nlm_rows(const CrossNlmRows& rows);

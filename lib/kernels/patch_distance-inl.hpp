@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Distances of the patches around the pixels of a block to the patches around their neighbours at one offset. Compiled
-// once per instruction set.
+// Distances of the patches around the pixels of a block to the patches around their neighbours at one offset, and how
+// they change with the pixel. Compiled once per instruction set.
 #if defined(STEIN_KERNELS_PATCH_DISTANCE_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef STEIN_KERNELS_PATCH_DISTANCE_INL
 #undef STEIN_KERNELS_PATCH_DISTANCE_INL
@@ -10,6 +10,8 @@
 #endif
 
 #include <hwy/highway.h>
+
+#include <algorithm>
 
 #include "kernels/cross_nlm.hpp"
 #include "kernels/weights-inl.hpp"
@@ -22,147 +24,212 @@ inline constexpr float kLeastNoise = 1e-24F;
 // Of neighbours that count nothing: 2^-d is exactly 0 for any exponent.
 inline constexpr float kNoNeighbour = 1e30F;
 
+inline constexpr auto kPatchLine = static_cast<std::ptrdiff_t>(kNlmPatchWidth);
+
+// Fields over a block and a rim around it, kPatchLine from row to row. The pixel at their start lies a rim up and left.
+struct PatchFields {
+  float* HWY_RESTRICT pairs;      // distance of the two pixels
+  float* HWY_RESTRICT masks;      // 1 where both are sources
+  float* HWY_RESTRICT slopes[3];  // half its derivative by the pixel's own colour
+  float* HWY_RESTRICT pair_sums;  // sums along x of these, without the rim at the sides
+  float* HWY_RESTRICT mask_sums;
+  float* HWY_RESTRICT slope_sums[3];
+};
+
 struct PatchBlock {
   const CrossNlmRows& rows;
   std::ptrdiff_t x = 0;  // first pixel of the block
   int width = 0;         // a multiple of kMaxLanes
   bool is_masked = false;  // whether any pixel that its patches or neighbours reach is no source
-  float* HWY_RESTRICT pairs = nullptr;         // per pair of pixels, kNlmPatchWidth apart: distance,
-  float* HWY_RESTRICT pair_slopes = nullptr;   // factor to its derivative,
-  float* HWY_RESTRICT pair_masks = nullptr;    // 1 where both are sources
-  float* HWY_RESTRICT column_sums = nullptr;   // work space
-  float* HWY_RESTRICT count_sums = nullptr;
+  PatchFields fields;
+  [[nodiscard]] int rim() const { return std::max(rows.patch_radius, 1); }
+};
+
+struct Tap {
+  std::ptrdiff_t offset = 0;
+  bool is_near = false;
+  int dx = 0;  // of near taps
+  int dy = 0;
 };
 
 // What a tap's distances go to, kNlmBlockWidth apart from row to row.
 struct TapDistances {
   float* HWY_RESTRICT distance;
-  float* HWY_RESTRICT slope;       // 1 / count times the factor of the pair (i, j); 0 where the distance is clamped
-  float* HWY_RESTRICT near_slope;  // the same of the pair (2i - j, i) where it is in the patches; null: it is not
+  float* HWY_RESTRICT slope[3];  // half the derivative by the pixel's own colour
 };
 
-// 1 / max(v_a + v_b, tiny): what the squared difference of two noisy pixels is divided by, without absolute units.
-HWY_INLINE FloatVec noise_factor(FloatTag d, FloatVec va, FloatVec vb) {
-  return reciprocal(d, hn::Max(hn::Add(va, vb), hn::Set(d, kLeastNoise)));
+// The colours of the two pixels of a pair apart, and what their squared difference is multiplied by.
+struct Pair {
+  FloatVec difference[3];
+  FloatVec distance;
+  FloatVec factor;
+};
+
+// |a - b|^2, or (|a - b|^2 - (v_a + min(v_a, v_b))) / (v_a + v_b); 0 unless both are sources.
+template <bool kNormalised, bool kMasked>
+HWY_INLINE Pair pair_at(FloatTag d, const CrossNlmRows& rows, std::ptrdiff_t a, std::ptrdiff_t b) {
+  Pair pair;
+  for (int c = 0; c < 3; ++c) {
+    pair.difference[c] = hn::Sub(hn::LoadU(d, rows.blurred[c] + a), hn::LoadU(d, rows.blurred[c] + b));
+  }
+  const FloatVec e0 = pair.difference[0];
+  const FloatVec e1 = pair.difference[1];
+  const FloatVec e2 = pair.difference[2];
+  pair.distance = hn::MulAdd(e2, e2, hn::MulAdd(e1, e1, hn::Mul(e0, e0)));
+  pair.factor = hn::Set(d, 1.0F);
+  if constexpr (kNormalised) {
+    const FloatVec va = hn::LoadU(d, rows.noise + a);
+    const FloatVec vb = hn::LoadU(d, rows.noise + b);
+    pair.factor = reciprocal(d, hn::Max(hn::Add(va, vb), hn::Set(d, kLeastNoise)));
+    pair.distance = hn::Mul(hn::Sub(pair.distance, hn::Add(va, hn::Min(va, vb))), pair.factor);
+  }
+  if constexpr (kMasked) {
+    const FloatVec both = hn::Mul(hn::LoadU(d, rows.guides.mask + a), hn::LoadU(d, rows.guides.mask + b));
+    pair.distance = hn::Mul(pair.distance, both);
+    pair.factor = hn::Mul(pair.factor, both);
+  }
+  return pair;
 }
 
-// |a - b|^2, or (|a - b|^2 - (v_a + min(v_a, v_b))) / (v_a + v_b), of the pixels of the block and a rim of patch_radius.
 template <bool kNormalised, bool kMasked>
-HWY_INLINE void pair_distances(FloatTag d, const PatchBlock& block, std::ptrdiff_t tap) {
+HWY_INLINE void fill_pairs(FloatTag d, const PatchBlock& block, std::ptrdiff_t tap) {
   const CrossNlmRows& rows = block.rows;
-  const int radius = rows.patch_radius;
+  const PatchFields& fields = block.fields;
+  const int rim = block.rim();
   const int lanes = static_cast<int>(hn::Lanes(d));
-  for (int y = -radius; y < rows.rows + radius; ++y) {
-    const std::ptrdiff_t line = static_cast<std::ptrdiff_t>(kNlmPatchWidth) * (y + radius);
-    const std::ptrdiff_t first = block.x - radius + y * rows.pitch;
-    for (int k = 0; k < block.width + 2 * radius; k += lanes) {
+  for (int y = -rim; y < rows.rows + rim; ++y) {
+    const std::ptrdiff_t line = kPatchLine * (y + rim);
+    const std::ptrdiff_t first = block.x - rim + y * rows.pitch;
+    for (int k = 0; k < block.width + 2 * rim; k += lanes) {
       const std::ptrdiff_t at = first + k;
-      const FloatVec e0 = hn::Sub(hn::LoadU(d, rows.colour[0] + at), hn::LoadU(d, rows.colour[0] + at + tap));
-      const FloatVec e1 = hn::Sub(hn::LoadU(d, rows.colour[1] + at), hn::LoadU(d, rows.colour[1] + at + tap));
-      const FloatVec e2 = hn::Sub(hn::LoadU(d, rows.colour[2] + at), hn::LoadU(d, rows.colour[2] + at + tap));
-      FloatVec distance = hn::MulAdd(e2, e2, hn::MulAdd(e1, e1, hn::Mul(e0, e0)));
-      if constexpr (kNormalised) {
-        const FloatVec va = hn::LoadU(d, rows.noise + at);
-        const FloatVec vb = hn::LoadU(d, rows.noise + at + tap);
-        const FloatVec factor = noise_factor(d, va, vb);
-        distance = hn::Mul(hn::Sub(distance, hn::Add(va, hn::Min(va, vb))), factor);
-        hn::Store(factor, d, block.pair_slopes + line + k);
-      }
+      const Pair pair = pair_at<kNormalised, kMasked>(d, rows, at, at + tap);
+      hn::Store(pair.distance, d, fields.pairs + line + k);
+      const FloatVec slope = hn::Mul(pair.factor, hn::LoadU(d, rows.gain + at));
+      for (int c = 0; c < 3; ++c) hn::Store(hn::Mul(slope, pair.difference[c]), d, fields.slopes[c] + line + k);
       if constexpr (kMasked) {
         const FloatVec both = hn::Mul(hn::LoadU(d, rows.guides.mask + at), hn::LoadU(d, rows.guides.mask + at + tap));
-        distance = hn::Mul(distance, both);
-        hn::Store(both, d, block.pair_masks + line + k);
+        hn::Store(both, d, fields.masks + line + k);
       }
-      hn::Store(distance, d, block.pairs + line + k);
     }
   }
 }
 
-// Sums of 2 * radius + 1 pixels along x, then y: always the same additions in the same order, so that neither drift nor
-// the block's place can show.
+// Sums of the patches' pixels along x. Always the same additions in the same order, so that neither drift nor the
+// block's place can show.
 template <int kRadius>
-HWY_INLINE void sum_columns(FloatTag d, const PatchBlock& block, const float* HWY_RESTRICT in,
+HWY_INLINE void sum_along_x(FloatTag d, const PatchBlock& block, const float* HWY_RESTRICT in,
                             float* HWY_RESTRICT out) {
   const int radius = kRadius >= 0 ? kRadius : block.rows.patch_radius;
+  const int first = block.rim() - radius;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  for (int y = 0; y < block.rows.rows + 2 * radius; ++y) {
-    const std::ptrdiff_t line = static_cast<std::ptrdiff_t>(kNlmPatchWidth) * y;
+  for (int y = first; y < block.rows.rows + block.rim() + radius; ++y) {
     for (int k = 0; k < block.width; k += lanes) {
-      FloatVec sum = hn::LoadU(d, in + line + k);
-      for (int n = 1; n <= 2 * radius; ++n) sum = hn::Add(sum, hn::LoadU(d, in + line + k + n));
-      hn::Store(sum, d, out + line + k);
+      const float* HWY_RESTRICT from = in + kPatchLine * y + k + first;
+      FloatVec sum = hn::LoadU(d, from);
+      for (int n = 1; n <= 2 * radius; ++n) sum = hn::Add(sum, hn::LoadU(d, from + n));
+      hn::Store(sum, d, out + kPatchLine * y + k);
     }
   }
 }
 
 template <int kRadius>
-HWY_INLINE FloatVec patch_sum(FloatTag d, int radius, const float* HWY_RESTRICT column_sums) {
-  FloatVec sum = hn::Load(d, column_sums);
+HWY_INLINE FloatVec patch_sum(FloatTag d, int radius, const float* HWY_RESTRICT sums) {
+  FloatVec sum = hn::Load(d, sums);
   for (int n = 1; n <= 2 * (kRadius >= 0 ? kRadius : radius); ++n) {
-    sum = hn::Add(sum, hn::Load(d, column_sums + n * static_cast<std::ptrdiff_t>(kNlmPatchWidth)));
+    sum = hn::Add(sum, hn::Load(d, sums + n * kPatchLine));
   }
   return sum;
 }
 
-// The factor to the derivative by the pixel as the neighbour's patch sees it: that of the pair (i, 2i - j).
-template <bool kNormalised, bool kMasked>
-HWY_INLINE FloatVec opposite_factor(FloatTag d, const CrossNlmRows& rows, std::ptrdiff_t at, std::ptrdiff_t tap) {
-  FloatVec factor = hn::Set(d, 1.0F);
-  if constexpr (kNormalised)
-    factor = noise_factor(d, hn::LoadU(d, rows.noise + at - tap), hn::LoadU(d, rows.noise + at));
-  if constexpr (kMasked) factor = hn::Mul(factor, hn::LoadU(d, rows.guides.mask + at - tap));
-  return factor;
+// Weights 1 and blur at either side: the pixel's part in the blurred colours of the patch around it.
+HWY_INLINE FloatVec spread(FloatVec blur, FloatVec before, FloatVec centre, FloatVec after) {
+  return hn::MulAdd(blur, hn::Add(before, after), centre);
 }
 
-template <int kRadius, bool kNormalised, bool kMasked>
-HWY_INLINE void mean_distances(FloatTag d, const PatchBlock& block, std::ptrdiff_t tap, const TapDistances& out) {
-  const CrossNlmRows& rows = block.rows;
-  const int radius = rows.patch_radius;
+HWY_INLINE float patch_blur(const CrossNlmRows& rows) { return rows.patch_radius > 0 ? rows.blur : 0.0F; }
+
+HWY_INLINE void spread_along_x(FloatTag d, const PatchBlock& block) {
+  const FloatVec blur = hn::Set(d, patch_blur(block.rows));
+  const int rim = block.rim();
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const FloatVec one = hn::Set(d, 1.0F);
-  const FloatVec all = hn::Set(d, 1.0F / static_cast<float>((2 * radius + 1) * (2 * radius + 1)));
-  for (int y = 0; y < rows.rows; ++y) {
-    const std::ptrdiff_t line = static_cast<std::ptrdiff_t>(kNlmPatchWidth) * y;
-    const std::ptrdiff_t centre = line + static_cast<std::ptrdiff_t>(kNlmPatchWidth) * radius + radius;
-    for (int k = 0; k < block.width; k += lanes) {
-      const std::ptrdiff_t at = block.x + k + y * rows.pitch;
-      const std::ptrdiff_t to = static_cast<std::ptrdiff_t>(kNlmBlockWidth) * y + k;
-      FloatVec share = all;
-      if constexpr (kMasked) {
-        share = hn::Div(one, hn::Max(patch_sum<kRadius>(d, radius, block.count_sums + line + k), one));
+  for (int c = 0; c < 3; ++c) {
+    for (int y = rim - 1; y < block.rows.rows + rim + 1; ++y) {
+      for (int k = 0; k < block.width; k += lanes) {
+        const float* HWY_RESTRICT from = block.fields.slopes[c] + kPatchLine * y + k + rim;
+        const FloatVec sum = spread(blur, hn::LoadU(d, from - 1), hn::LoadU(d, from), hn::LoadU(d, from + 1));
+        hn::Store(sum, d, block.fields.slope_sums[c] + kPatchLine * y + k);
       }
-      const FloatVec mean = hn::Mul(patch_sum<kRadius>(d, radius, block.column_sums + line + k), share);
-      FloatVec distance = hn::Max(mean, hn::Zero(d));
-      share = hn::IfThenElseZero(hn::Gt(mean, hn::Zero(d)), share);
-      if (out.near_slope != nullptr) {
-        const FloatVec opposite = opposite_factor<kNormalised, kMasked>(d, rows, at, tap);
-        hn::Store(hn::Mul(share, opposite), d, out.near_slope + to);
-      }
-      if constexpr (kNormalised) share = hn::Mul(share, hn::LoadU(d, block.pair_slopes + centre + k));
-      if constexpr (kMasked) {
-        const auto is_source = hn::Gt(hn::LoadU(d, rows.guides.mask + at + tap), hn::Zero(d));
-        distance = hn::IfThenElse(is_source, distance, hn::Set(d, kNoNeighbour));
-      }
-      hn::Store(distance, d, out.distance + to);
-      hn::Store(share, d, out.slope + to);
+    }
+  }
+}
+
+// Adds the pixel's part in the blurred colours of the patch around its neighbour, for the pairs (i - m - tap, i - m).
+template <bool kNormalised, bool kMasked>
+HWY_INLINE void add_near_slopes(FloatTag d, const CrossNlmRows& rows, std::ptrdiff_t at, const Tap& tap,
+                                FloatVec (&slope)[3]) {
+  for (int my = -1; my <= 1; ++my) {
+    for (int mx = -1; mx <= 1; ++mx) {
+      if (std::max(std::abs(tap.dx + mx), std::abs(tap.dy + my)) > rows.patch_radius) continue;
+      const std::ptrdiff_t seen = at - (my * rows.pitch + mx);
+      const Pair pair = pair_at<kNormalised, kMasked>(d, rows, seen, seen - tap.offset);
+      const float weight = (mx == 0 ? 1.0F : rows.blur) * (my == 0 ? 1.0F : rows.blur);
+      const FloatVec factor = hn::Mul(hn::Mul(hn::Set(d, weight), hn::LoadU(d, rows.gain + seen)), pair.factor);
+      for (int c = 0; c < 3; ++c) slope[c] = hn::MulAdd(factor, pair.difference[c], slope[c]);
     }
   }
 }
 
 template <int kRadius, bool kNormalised, bool kMasked>
-HWY_NOINLINE void patch_distances_as(const PatchBlock& block, std::ptrdiff_t tap, const TapDistances& out) {
+HWY_INLINE void finish_pixels(FloatTag d, const PatchBlock& block, int y, int k, const Tap& tap,
+                              const TapDistances& out) {
+  const CrossNlmRows& rows = block.rows;
+  const int radius = kRadius >= 0 ? kRadius : rows.patch_radius;
+  const FloatVec one = hn::Set(d, 1.0F);
+  const std::ptrdiff_t at = block.x + k + y * rows.pitch;
+  const std::ptrdiff_t to = static_cast<std::ptrdiff_t>(kNlmBlockWidth) * y + k;
+  const std::ptrdiff_t centre = kPatchLine * (y + block.rim()) + k;
+  const std::ptrdiff_t patch = centre - kPatchLine * radius;
+  FloatVec share = hn::Set(d, 1.0F / static_cast<float>((2 * radius + 1) * (2 * radius + 1)));
+  if constexpr (kMasked) {
+    share = hn::Div(one, hn::Max(patch_sum<kRadius>(d, radius, block.fields.mask_sums + patch), one));
+  }
+  const FloatVec mean = hn::Mul(patch_sum<kRadius>(d, radius, block.fields.pair_sums + patch), share);
+  FloatVec distance = hn::Max(mean, hn::Zero(d));
+  if constexpr (kMasked) {
+    const auto is_source = hn::Gt(hn::LoadU(d, rows.guides.mask + at + tap.offset), hn::Zero(d));
+    distance = hn::IfThenElse(is_source, distance, hn::Set(d, kNoNeighbour));
+  }
+  hn::Store(distance, d, out.distance + to);
+  const FloatVec blur = hn::Set(d, patch_blur(rows));
+  FloatVec slope[3];
+  for (int c = 0; c < 3; ++c) {
+    const float* HWY_RESTRICT sums = block.fields.slope_sums[c] + centre;
+    slope[c] = spread(blur, hn::Load(d, sums - kPatchLine), hn::Load(d, sums), hn::Load(d, sums + kPatchLine));
+  }
+  if (tap.is_near) add_near_slopes<kNormalised, kMasked>(d, rows, at, tap, slope);
+  share = hn::IfThenElseZero(hn::Gt(mean, hn::Zero(d)), share);  // a clamped distance does not move
+  for (int c = 0; c < 3; ++c) hn::Store(hn::Mul(slope[c], share), d, out.slope[c] + to);
+}
+
+template <int kRadius, bool kNormalised, bool kMasked>
+HWY_NOINLINE void patch_distances_as(const PatchBlock& block, const Tap& tap, const TapDistances& out) {
   const FloatTag d;
-  pair_distances<kNormalised, kMasked>(d, block, tap);
-  sum_columns<kRadius>(d, block, block.pairs, block.column_sums);
-  if constexpr (kMasked) sum_columns<kRadius>(d, block, block.pair_masks, block.count_sums);
-  mean_distances<kRadius, kNormalised, kMasked>(d, block, tap, out);
+  fill_pairs<kNormalised, kMasked>(d, block, tap.offset);
+  sum_along_x<kRadius>(d, block, block.fields.pairs, block.fields.pair_sums);
+  if constexpr (kMasked) sum_along_x<kRadius>(d, block, block.fields.masks, block.fields.mask_sums);
+  spread_along_x(d, block);
+  for (int y = 0; y < block.rows.rows; ++y) {
+    for (int k = 0; k < block.width; k += static_cast<int>(hn::Lanes(d))) {
+      finish_pixels<kRadius, kNormalised, kMasked>(d, block, y, k, tap, out);
+    }
+  }
 }
 
 // One path for patches of 5x5, one for all others.
-inline void patch_distances(const PatchBlock& block, std::ptrdiff_t tap, const TapDistances& out) {
+inline void patch_distances(const PatchBlock& block, const Tap& tap, const TapDistances& out) {
   constexpr int kUsualRadius = 2;
   constexpr int kAny = -1;
-  using Run = void (*)(const PatchBlock&, std::ptrdiff_t, const TapDistances&);
+  using Run = void (*)(const PatchBlock&, const Tap&, const TapDistances&);
   static constexpr Run kRuns[2][2][2] = {
       {{patch_distances_as<kAny, false, false>, patch_distances_as<kAny, false, true>},
        {patch_distances_as<kAny, true, false>, patch_distances_as<kAny, true, true>}},

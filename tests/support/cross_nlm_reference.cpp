@@ -3,99 +3,112 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 namespace stein::test {
 namespace {
 
-struct Pixel {
-  int x = 0;
-  int y = 0;
-};
+std::size_t index_of(int x, int y, int width) {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+}
 
-// The image with one pixel moved.
-class NudgedImage {
- public:
-  NudgedImage(const Source& source, Pixel own, const Nudge& nudge) : source_(source), own_(own), nudge_(nudge) {}
-  [[nodiscard]] double colour(Pixel p, std::size_t c) const {
-    float value = 0;
-    source_.colour_row(c, p.y, p.x, 1, &value);
-    return value + (p.x == own_.x && p.y == own_.y ? nudge_.colour[c] : 0.0);
-  }
-  [[nodiscard]] double noise(Pixel p) const {
-    double sum = 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-      float value = 0;
-      source_.variance_row(c, p.y, p.x, 1, &value);
-      sum += value;
+}  // namespace
+
+CrossNlmReference::CrossNlmReference(const CrossNlmParams& params, const Source& source)
+    : params_(params), source_(source), width_(source.frame().width), height_(source.frame().height) {
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) {
+      Pixel& pixel = pixels_.emplace_back();
+      pixel.is_source = is_valid(source.frame(), x, y);
+      for (std::size_t c = 0; c < 3; ++c) {
+        float value = 0;
+        source.colour_row(c, y, x, 1, &value);
+        pixel.colour[c] = value;
+      }
     }
-    return sum;
   }
-  [[nodiscard]] bool is_source(Pixel p) const {
-    const Frame& frame = source_.frame();
-    return p.x >= 0 && p.y >= 0 && p.x < frame.width && p.y < frame.height && is_valid(frame, p.x, p.y);
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) blur(pixels_, x, y);
   }
+}
 
- private:
-  const Source& source_;
-  Pixel own_;
-  const Nudge& nudge_;
-};
+const CrossNlmReference::Pixel* CrossNlmReference::source_at(const std::vector<Pixel>& pixels, int x, int y) const {
+  if (x < 0 || y < 0 || x >= width_ || y >= height_) return nullptr;
+  const Pixel& pixel = pixels[index_of(x, y, width_)];
+  return pixel.is_source ? &pixel : nullptr;
+}
 
-double pixel_distance(const NudgedImage& image, Pixel a, Pixel b, PatchDistance kind) {
-  double squared = 0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double difference = image.colour(a, c) - image.colour(b, c);
-    squared += difference * difference;
+void CrossNlmReference::blur(std::vector<Pixel>& pixels, int x, int y) const {
+  double weights = 0;
+  double noise = 0;
+  std::array<double, 3> sum{};
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      const Pixel* other = source_at(pixels, x + dx, y + dy);
+      if (other == nullptr) continue;
+      const double weight = std::pow(static_cast<double>(params_.patch_blur), std::abs(dx) + std::abs(dy));
+      weights += weight;
+      for (std::size_t c = 0; c < 3; ++c) {
+        sum[c] += weight * other->colour[c];
+        float variance = 0;
+        source_.variance_row(c, y + dy, x + dx, 1, &variance);
+        noise += weight * weight * variance;
+      }
+    }
   }
-  if (kind == PatchDistance::kAbsolute) return squared;
-  const double va = image.noise(a);
-  const double vb = image.noise(b);
-  return (squared - (va + std::min(va, vb))) / std::max(va + vb, 1e-24);
+  Pixel& pixel = pixels[index_of(x, y, width_)];
+  for (std::size_t c = 0; c < 3; ++c) pixel.blurred[c] = weights > 0 ? sum[c] / weights : 0.0;
+  pixel.noise = weights > 0 ? noise / (weights * weights) : 0.0;
 }
 
 // Mean over the pixels that are sources in both patches.
-double patch_distance(const NudgedImage& image, Pixel i, Pixel j, const CrossNlmParams& params) {
+double CrossNlmReference::patch_distance(const std::vector<Pixel>& pixels, int xi, int yi, int xj, int yj) const {
   double sum = 0;
   int count = 0;
-  for (int dy = -params.patch_radius; dy <= params.patch_radius; ++dy) {
-    for (int dx = -params.patch_radius; dx <= params.patch_radius; ++dx) {
-      const Pixel a{i.x + dx, i.y + dy};
-      const Pixel b{j.x + dx, j.y + dy};
-      if (!image.is_source(a) || !image.is_source(b)) continue;
-      sum += pixel_distance(image, a, b, params.distance);
+  for (int dy = -params_.patch_radius; dy <= params_.patch_radius; ++dy) {
+    for (int dx = -params_.patch_radius; dx <= params_.patch_radius; ++dx) {
+      const Pixel* a = source_at(pixels, xi + dx, yi + dy);
+      const Pixel* b = source_at(pixels, xj + dx, yj + dy);
+      if (a == nullptr || b == nullptr) continue;
+      double squared = 0;
+      for (std::size_t c = 0; c < 3; ++c) squared += (a->blurred[c] - b->blurred[c]) * (a->blurred[c] - b->blurred[c]);
+      const double noise = a->noise + b->noise;
+      sum += params_.distance == PatchDistance::kAbsolute
+                 ? squared / 3.0
+                 : (squared - a->noise - std::min(a->noise, b->noise)) / std::max(noise, 1e-24);
       ++count;
     }
   }
   return count > 0 ? std::max(sum / count, 0.0) : 0.0;
 }
 
-}  // namespace
-
-std::array<double, 3> cross_nlm_reference(const CrossNlmParams& params, const Source& source, double sigma_r, int x,
-                                          int y, const Nudge& nudge) {
-  const NudgedImage image(source, {x, y}, nudge);
+std::array<double, 3> CrossNlmReference::result(double sigma_r, int x, int y, const Nudge& nudge) const {
+  std::vector<Pixel> pixels = pixels_;
+  for (std::size_t c = 0; c < 3; ++c) pixels[index_of(x, y, width_)].colour[c] += nudge.colour[c];
+  for (int py = std::max(y - 1, 0); py <= std::min(y + 1, height_ - 1); ++py) {
+    for (int px = std::max(x - 1, 0); px <= std::min(x + 1, width_ - 1); ++px) blur(pixels, px, py);
+  }
+  const Pixel& own = pixels[index_of(x, y, width_)];
   double weight_sum = 0;
   std::array<double, 3> sum{};
-  for (int dy = -params.window_radius; dy <= params.window_radius; ++dy) {
-    for (int dx = -params.window_radius; dx <= params.window_radius; ++dx) {
-      const Pixel j{x + dx, y + dy};
-      if (!image.is_source(j)) continue;
-      const double weight = std::exp(-patch_distance(image, {x, y}, j, params) / (2.0 * sigma_r * sigma_r) -
-                                     feature_distance(params.guides, source, x, y, j.x, j.y, nudge));
+  for (int py = y - params_.window_radius; py <= y + params_.window_radius; ++py) {
+    for (int px = x - params_.window_radius; px <= x + params_.window_radius; ++px) {
+      const Pixel* other = source_at(pixels, px, py);
+      if (other == nullptr) continue;
+      const double weight = std::exp(-patch_distance(pixels, x, y, px, py) / (2.0 * sigma_r * sigma_r) -
+                                     feature_distance(params_.guides, source_, x, y, px, py, nudge));
       weight_sum += weight;
-      for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * image.colour(j, c);
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * other->colour[c];
     }
   }
   std::array<double, 3> result{};
-  for (std::size_t c = 0; c < 3; ++c) result[c] = weight_sum > 0 ? sum[c] / weight_sum : image.colour({x, y}, c);
+  for (std::size_t c = 0; c < 3; ++c) result[c] = weight_sum > 0 ? sum[c] / weight_sum : own.colour[c];
   return result;
 }
 
-std::array<double, 3> divergence_reference(const CrossNlmParams& params, const Source& source, double sigma_r, int x,
-                                           int y, Divergence divergence) {
-  return divergence_reference(source, x, y, divergence, [&](const Nudge& nudge) {
-    return cross_nlm_reference(params, source, sigma_r, x, y, nudge);
-  });
+std::array<double, 3> CrossNlmReference::divergence(double sigma_r, int x, int y, Divergence divergence) const {
+  return divergence_reference(source_, x, y, divergence,
+                              [&](const Nudge& nudge) { return result(sigma_r, x, y, nudge); });
 }
 
 }  // namespace stein::test
