@@ -93,6 +93,13 @@ TEST_CASE("SURE: the mean of the estimate is the mean of the true error, for eve
   CrossBilateralParams with_range;  // nonlinear in the colour: its derivative has more than 1/W
   with_range.range_sigma = 0.6F;
   specs.emplace_back(with_range);
+  CrossNlmParams absolute;
+  absolute.distance = PatchDistance::kAbsolute;
+  absolute.range_sigmas = {0.1F, 0.4F};
+  specs.emplace_back(absolute);
+  for (FilterSpec& spec : specs) {
+    if (CrossNlmParams* params = std::get_if<CrossNlmParams>(&spec)) params->window_radius = 7;
+  }
   for (const FilterSpec& spec : specs) {
     OwnedFrame frame(kWidth, kHeight, kUsualFeatures);
     set_up(frame);
