@@ -78,13 +78,13 @@ struct CrossNlmParams {
   static constexpr bool kHasDerivative = true;
 
   /// sigma_r of the candidates, ascending, each [1e-6..1e6], at most 12; in units of radiance with absolute distances.
-  std::vector<float> range_sigmas = {0.5F, 0.71F, 1.0F, 1.41F, 2.0F, 2.83F, 4.0F, 8.0F};
+  std::vector<float> range_sigmas = {0.5F, 0.71F, 1.0F, 1.41F, 2.0F, 2.83F, 4.0F};
 
   PatchDistance distance = PatchDistance::kVarianceNormalised;
   int window_radius = 20;  ///< [1..32] px
   int patch_radius = 2;    ///< [0..4] px
   /// Patches are compared by colours blurred over 3x3 pixels with weights 1, patch_blur and patch_blur^2. [0..1]
-  float patch_blur = 0.5F;
+  float patch_blur = 1.0F;
 
   FeatureGuides guides;
 

@@ -37,6 +37,7 @@ struct Batch {
   FloatVec guide_distance[kTaps];
   FloatVec guide_slope[3][kTaps];
   FloatVec patch_distance[kTaps];
+  FloatVec colour[3][kTaps];       // x_j: one copy, for reads at any address cross cache lines
   FloatVec difference[3][kTaps];   // x_i - x_j
   FloatVec patch_slope[3][kTaps];  // over 1 / sigma_r^2
 };
@@ -75,8 +76,8 @@ HWY_INLINE void add_products(FloatTag d, float* HWY_RESTRICT sum, const FloatVec
 
 // Adds one candidate's weights; false if all of them are 0, and hence all of smaller sigma_r.
 template <Slopes kSlopes, int kTaps>
-HWY_INLINE bool add_candidate(FloatTag d, const CrossNlmRows& rows, const BatchSite& site, int candidate,
-                              const Batch<kTaps>& batch, float* HWY_RESTRICT sums) {
+HWY_INLINE bool add_candidate(FloatTag d, const CrossNlmRows& rows, int candidate, const Batch<kTaps>& batch,
+                              float* HWY_RESTRICT sums) {
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
   const FloatVec exponent = hn::Set(d, rows.exponent[candidate]);
   FloatVec w[kTaps];
@@ -88,10 +89,7 @@ HWY_INLINE bool add_candidate(FloatTag d, const CrossNlmRows& rows, const BatchS
   if (hn::AllTrue(d, hn::Eq(total, hn::Zero(d)))) return false;
   add_to(d, sums, total);
   for (int c = 0; c < 3; ++c) {
-    const float* colour = rows.colour[c] + site.x;
-    FloatVec values[kTaps];
-    for (int t = 0; t < kTaps; ++t) values[t] = hn::LoadU(d, colour + site.taps[t]);
-    add_products(d, sums + (1 + c) * lanes, w, values);
+    add_products(d, sums + (1 + c) * lanes, w, batch.colour[c]);
     if constexpr (kSlopes != Slopes::kNone) {
       const FloatVec factor = hn::Set(d, rows.slope[candidate]);
       FloatVec slope[kTaps];
@@ -124,14 +122,14 @@ HWY_INLINE void add_batch(FloatTag d, const CrossNlmRows& rows, const BatchSite&
   for (int t = 0; t < kTapBatch; ++t) {
     batch.patch_distance[t] = hn::Load(d, site.distances.distance + t * static_cast<std::ptrdiff_t>(kNlmBlockPixels));
     for (int c = 0; c < 3; ++c) {
-      batch.difference[c][t] =
-          hn::Sub(hn::LoadU(d, rows.colour[c] + site.x), hn::LoadU(d, rows.colour[c] + at[t]));
+      batch.colour[c][t] = hn::LoadU(d, rows.colour[c] + at[t]);
+      batch.difference[c][t] = hn::Sub(hn::LoadU(d, rows.colour[c] + site.x), batch.colour[c][t]);
     }
   }
   if constexpr (kSlopes != Slopes::kNone) patch_slopes(d, rows, site, batch);
   const std::ptrdiff_t sums_step = kNlmSums * static_cast<std::ptrdiff_t>(hn::Lanes(d));
   for (int s = rows.candidates - 1; s >= 0; --s) {
-    if (!add_candidate<kSlopes>(d, rows, site, s, batch, site.sums + s * sums_step)) break;
+    if (!add_candidate<kSlopes>(d, rows, s, batch, site.sums + s * sums_step)) break;
   }
 }
 
