@@ -7,8 +7,8 @@
 
 namespace stein::bench {
 
-/// A frame with normal, albedo and depth (7 channels), all with variances and perhaps covariances, of random but bounded
-/// values; fixed seed.
+/// A frame with normal, albedo and depth (7 channels), all with variances and perhaps covariances, of random but
+/// bounded values; fixed seed.
 class BenchFrame {
  public:
   BenchFrame(int width, int height, bool has_covariances = false);

@@ -28,7 +28,7 @@ inline constexpr int kSumsOf = kSlopes == Slopes::kNone ? 4 : kNlmSums;
 struct BatchSite {
   std::ptrdiff_t x = 0;  // of the pixels
   const std::ptrdiff_t* taps = nullptr;
-  TapDistances distances;  // of the batch's first tap; kNlmBlockPixels apart from tap to tap
+  TapDistances distances;              // of the batch's first tap; kNlmBlockPixels apart from tap to tap
   float* HWY_RESTRICT sums = nullptr;  // [candidate][kNlmSums][lanes]
 };
 
@@ -94,9 +94,8 @@ HWY_INLINE bool add_candidate(FloatTag d, const CrossNlmRows& rows, int candidat
       const FloatVec factor = hn::Set(d, rows.slope[candidate]);
       FloatVec slope[kTaps];
       for (int t = 0; t < kTaps; ++t) {
-        slope[t] = kSlopes == Slopes::kColour
-                       ? hn::Mul(factor, batch.patch_slope[c][t])
-                       : hn::MulAdd(factor, batch.patch_slope[c][t], batch.guide_slope[c][t]);
+        slope[t] = kSlopes == Slopes::kColour ? hn::Mul(factor, batch.patch_slope[c][t])
+                                              : hn::MulAdd(factor, batch.patch_slope[c][t], batch.guide_slope[c][t]);
         slope[t] = hn::Mul(slope[t], w[t]);
       }
       FloatVec slope_sum = slope[0];
@@ -184,8 +183,8 @@ HWY_INLINE void finish(FloatTag d, const CrossNlmRows& rows, int y, std::ptrdiff
       const FloatVec own = hn::LoadU(d, rows.colour[c] + at);
       const FloatVec mean = hn::Mul(hn::Load(d, sums + (1 + c) * lanes), inverse);
       // dw_j = -w_j s_j and x_j - F = (x_i - F) - e_j: sum_j dw_j (x_j - F), and the pixel's own term, w_ii = 1.
-      const FloatVec moved = hn::NegMulAdd(hn::Sub(own, mean), hn::Load(d, sums + (4 + c) * lanes),
-                                           hn::Load(d, sums + (7 + c) * lanes));
+      const FloatVec moved =
+          hn::NegMulAdd(hn::Sub(own, mean), hn::Load(d, sums + (4 + c) * lanes), hn::Load(d, sums + (7 + c) * lanes));
       const FloatVec divergence = hn::Mul(hn::Add(hn::LoadU(d, rows.colour_covariance[c] + at), moved), inverse);
       hn::StoreU(hn::IfThenElse(has_weight, mean, own), d, rows.result[y][s][c] + x);
       hn::StoreU(divergence, d, rows.divergence[y][s][c] + x);
@@ -235,7 +234,10 @@ HWY_INLINE void run_block(const CrossNlmRows& rows, std::ptrdiff_t x, int width)
   constexpr std::size_t kGroup = kNlmTapGroup * kNlmBlockPixels;
   const TapDistances distances{take(kGroup), {take(kGroup), take(kGroup), take(kGroup)}};
   const auto field = [&] { return take(kNlmPatchFloats); };
-  PatchBlock block{rows, x, width, false,
+  PatchBlock block{rows,
+                   x,
+                   width,
+                   false,
                    {field(), field(), {field(), field(), field()}, field(), field(), {field(), field(), field()}}};
   block.is_masked = has_hole(d, block);
   float* sums = next;

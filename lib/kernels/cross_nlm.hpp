@@ -41,8 +41,8 @@ struct CrossNlmRows {
   float exponent[kMaxRangeSigmas];  ///< log2(e) / (2 sigma_r^2), descending
   float slope[kMaxRangeSigmas];     ///< 1 / sigma_r^2
 
-  const float* colour_covariance[6];  ///< of the mean, with a row's pitch: RR, GG, BB, RG, RB, GB
-  bool has_guide_covariance = false;  ///< whether guides move with the colour's noise
+  const float* colour_covariance[6];                    ///< of the mean, with a row's pitch: RR, GG, BB, RG, RB, GB
+  bool has_guide_covariance = false;                    ///< whether guides move with the colour's noise
   const float* guide_covariance[3][kMaxGuideChannels];  ///< as CrossBilateralRow::covariance
 
   float* scratch = nullptr;  ///< cross_nlm_scratch(candidates) floats, aligned to 64 bytes

@@ -38,8 +38,8 @@ struct PatchFields {
 
 struct PatchBlock {
   const CrossNlmRows& rows;
-  std::ptrdiff_t x = 0;  // first pixel of the block
-  int width = 0;         // a multiple of kMaxLanes
+  std::ptrdiff_t x = 0;    // first pixel of the block
+  int width = 0;           // a multiple of kMaxLanes
   bool is_masked = false;  // whether any pixel that its patches or neighbours reach is no source
   PatchFields fields;
   [[nodiscard]] int rim() const { return std::max(rows.patch_radius, 1); }

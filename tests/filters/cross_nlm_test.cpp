@@ -97,10 +97,8 @@ TEST_CASE("cross-nlm: result and divergence equal the reference for patches and 
 }
 
 TEST_CASE("cross-nlm: equals the reference for any set of features") {
-  const std::vector<std::vector<FeatureShape>> sets = {{},
-                                                       {{"depth", 1}},
-                                                       {{"normal", 3}, {"position", 3}},
-                                                       {{"a", 1}, {"b", 2}, {"c", 3}, {"d", 4}, {"e", 1}}};
+  const std::vector<std::vector<FeatureShape>> sets = {
+      {}, {{"depth", 1}}, {{"normal", 3}, {"position", 3}}, {{"a", 1}, {"b", 2}, {"c", 3}, {"d", 4}, {"e", 1}}};
   for (const auto& features : sets) {
     for (const PatchDistance distance : kDistances) {
       CAPTURE(features.size(), static_cast<int>(distance));

@@ -65,7 +65,8 @@ std::array<double, 3> cross_bilateral_reference(const CrossBilateralParams& para
     for (int px = std::max(x - r, 0); px <= std::min(x + r, frame.width - 1); ++px) {
       const double distance2 = static_cast<double>((px - x) * (px - x) + (py - y) * (py - y));
       if (distance2 > radius * radius || !is_valid(frame, px, py)) continue;
-      double exponent = distance2 / (2.0 * sigma_s * sigma_s) + feature_distance(params.guides, source, x, y, px, py, nudge);
+      double exponent =
+          distance2 / (2.0 * sigma_s * sigma_s) + feature_distance(params.guides, source, x, y, px, py, nudge);
       for (std::size_t c = 0; c < 3 && params.range_sigma > 0; ++c) {
         const double difference = colour(x, y, c) - colour(px, py, c);
         exponent += difference * difference / (2.0 * params.range_sigma * params.range_sigma);
