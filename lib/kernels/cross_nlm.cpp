@@ -241,7 +241,7 @@ HWY_INLINE void run_block(const CrossNlmRows& rows, std::ptrdiff_t x, int width)
                    {field(), field(), {field(), field(), field()}, field(), field(), {field(), field(), field()}}};
   block.is_masked = has_hole(d, block);
   float* sums = next;
-  const int vectors = width / lanes;
+  const std::ptrdiff_t vectors = width / lanes;
   const std::ptrdiff_t sums_step = static_cast<std::ptrdiff_t>(rows.candidates) * kNlmSums * lanes;
   std::fill_n(sums, static_cast<std::size_t>(sums_step * vectors * rows.rows), 0.0F);
 
@@ -250,7 +250,7 @@ HWY_INLINE void run_block(const CrossNlmRows& rows, std::ptrdiff_t x, int width)
     const int count = std::min(kNlmTapGroup, padded - first);
     fill_distances(block, first, count, distances);
     for (int y = 0; y < rows.rows; ++y) {
-      for (int v = 0; v < vectors; ++v) {
+      for (std::ptrdiff_t v = 0; v < vectors; ++v) {
         BatchSite site;
         site.x = x + v * lanes + y * rows.pitch;
         site.taps = rows.taps + first;
@@ -263,7 +263,8 @@ HWY_INLINE void run_block(const CrossNlmRows& rows, std::ptrdiff_t x, int width)
     }
   }
   for (int y = 0; y < rows.rows; ++y) {
-    for (int v = 0; v < vectors; ++v) finish(d, rows, y, x + v * lanes, sums + (y * vectors + v) * sums_step);
+    for (std::ptrdiff_t v = 0; v < vectors; ++v)
+      finish(d, rows, y, x + v * lanes, sums + (y * vectors + v) * sums_step);
   }
 }
 

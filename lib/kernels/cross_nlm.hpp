@@ -58,10 +58,11 @@ inline constexpr int kNlmSums = 10;
 inline constexpr std::size_t kNlmBlockPixels = std::size_t{kNlmBlockRows} * kNlmBlockWidth;
 inline constexpr std::size_t kNlmPatchWidth = kNlmBlockWidth + kMaxLanes;  ///< whole vectors, for a rim of patch_radius
 static_assert(2 * kMaxPatchRadius <= kMaxLanes);
-inline constexpr std::size_t kNlmPatchFloats = kNlmPatchWidth * (kNlmBlockRows + 2 * kMaxPatchRadius);
+inline constexpr std::size_t kNlmPatchFloats = kNlmPatchWidth * std::size_t{kNlmBlockRows + 2 * kMaxPatchRadius};
 
 [[nodiscard]] constexpr std::size_t cross_nlm_scratch(int candidates) noexcept {
-  return kNlmBlockPixels * (4 * kNlmTapGroup + kNlmSums * static_cast<std::size_t>(candidates)) + 10 * kNlmPatchFloats;
+  return kNlmBlockPixels * (std::size_t{4} * kNlmTapGroup + kNlmSums * static_cast<std::size_t>(candidates)) +
+         10 * kNlmPatchFloats;
 }
 
 void cross_nlm_rows(const CrossNlmRows& rows);

@@ -30,10 +30,10 @@ inline constexpr auto kPatchLine = static_cast<std::ptrdiff_t>(kNlmPatchWidth);
 struct PatchFields {
   float* HWY_RESTRICT pairs;      // distance of the two pixels
   float* HWY_RESTRICT masks;      // 1 where both are sources
-  float* HWY_RESTRICT slopes[3];  // half its derivative by the pixel's own colour
+  float* slopes[3];               // half its derivative by the pixel's own colour
   float* HWY_RESTRICT pair_sums;  // sums along x of these, without the rim at the sides
   float* HWY_RESTRICT mask_sums;
-  float* HWY_RESTRICT slope_sums[3];
+  float* slope_sums[3];
 };
 
 struct PatchBlock {
@@ -55,7 +55,7 @@ struct Tap {
 // What a tap's distances go to, kNlmBlockWidth apart from row to row.
 struct TapDistances {
   float* HWY_RESTRICT distance;
-  float* HWY_RESTRICT slope[3];  // half the derivative by the pixel's own colour
+  float* slope[3];  // half the derivative by the pixel's own colour
 };
 
 // The colours of the two pixels of a pair apart, and what their squared difference is multiplied by.

@@ -60,10 +60,10 @@ std::array<double, 3> cross_bilateral_reference(const CrossBilateralParams& para
   double weight_sum = 0;
   std::array<double, 3> sum{};
   const double radius = 2.0 * sigma_s;
-  const int r = static_cast<int>(radius);
+  const auto r = static_cast<int>(radius);
   for (int py = std::max(y - r, 0); py <= std::min(y + r, frame.height - 1); ++py) {
     for (int px = std::max(x - r, 0); px <= std::min(x + r, frame.width - 1); ++px) {
-      const double distance2 = static_cast<double>((px - x) * (px - x) + (py - y) * (py - y));
+      const auto distance2 = static_cast<double>((px - x) * (px - x) + (py - y) * (py - y));
       if (distance2 > radius * radius || !is_valid(frame, px, py)) continue;
       double exponent =
           distance2 / (2.0 * sigma_s * sigma_s) + feature_distance(params.guides, source, x, y, px, py, nudge);
