@@ -4,6 +4,7 @@
 // docs/performance.md.
 #include <benchmark/benchmark.h>
 
+#include <variant>
 #include <vector>
 
 #include "filters/filter.hpp"
@@ -26,24 +27,27 @@ double bank_flops(const CrossBilateralParams& params, const exec::TileLayout& la
   return flops;
 }
 
-void run_bank(benchmark::State& state, const CrossBilateralParams& params, Divergence divergence = Divergence::kPlain) {
+void run_filter(benchmark::State& state, const FilterSpec& spec, Divergence divergence) {
   constexpr int kWidth = 128;
   constexpr int kHeight = 32;
-  const BenchFrame frame(kWidth * 3, kHeight * 3);
+  const BenchFrame frame(kWidth * 3, kHeight * 3, divergence == Divergence::kJoint);
   const Source source(frame.frame(), inspect(frame.frame()));
-  const GuideRows guides = make_guides(params, source, kHeight * 3);
+  const GuideRows guides = make_guides(spec, source, kHeight * 3);
   guides.prepare({0, 0, kWidth * 3, kHeight * 3});
-  const auto filter = prepare(params, {source, guides, kWidth, kHeight, kHeight * 3, divergence});
+  const auto filter = prepare(spec, {source, guides, kWidth, kHeight, kHeight * 3, divergence});
   const exec::RowRing ring(filter->candidates() * CandidateRows::kPlanes, kWidth * 3, kHeight * 3);
   FilterScratch scratch;
   for (auto _ : state) filter->run(0, {kWidth, kHeight, 2 * kWidth, 2 * kHeight}, scratch, CandidateRows(ring));
-  const double pixels = kWidth * kHeight;
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * kWidth * kHeight);
-  const exec::TileLayout layout(kWidth, kHeight, reach(params));
-  state.counters["flops"] =
-      benchmark::Counter(pixels * bank_flops(params, layout), benchmark::Counter::kIsIterationInvariantRate);
+  if (const auto* params = std::get_if<CrossBilateralParams>(&spec)) {
+    const exec::TileLayout layout(kWidth, kHeight, reach(spec));
+    state.counters["flops"] = benchmark::Counter(kWidth * kHeight * bank_flops(*params, layout),
+                                                 benchmark::Counter::kIsIterationInvariantRate);
+  }
   state.SetLabel(kernels::instruction_set());
 }
+
+void run_bank(benchmark::State& state, const FilterSpec& spec) { run_filter(state, spec, Divergence::kPlain); }
 
 void kernel_cross_bilateral_final(benchmark::State& state) { run_bank(state, CrossBilateralParams{}); }
 BENCHMARK(kernel_cross_bilateral_final);
@@ -90,6 +94,26 @@ BENCHMARK(filter_atrous);
 
 void filter_atrous_sure(benchmark::State& state) { run_passes(state, AtrousSureParams{}); }
 BENCHMARK(filter_atrous_sure);
+void kernel_cross_bilateral_joint(benchmark::State& state) {
+  run_filter(state, CrossBilateralParams{}, Divergence::kJoint);
+}
+BENCHMARK(kernel_cross_bilateral_joint);
+
+void kernel_cross_nlm_final(benchmark::State& state) { run_bank(state, CrossNlmParams{}); }
+BENCHMARK(kernel_cross_nlm_final);
+
+void kernel_cross_nlm_intermediate(benchmark::State& state) { run_bank(state, intermediate_cross_nlm()); }
+BENCHMARK(kernel_cross_nlm_intermediate);
+
+void kernel_cross_nlm_absolute(benchmark::State& state) {
+  CrossNlmParams params;
+  params.distance = PatchDistance::kAbsolute;
+  run_bank(state, params);
+}
+BENCHMARK(kernel_cross_nlm_absolute);
+
+void kernel_cross_nlm_joint(benchmark::State& state) { run_filter(state, CrossNlmParams{}, Divergence::kJoint); }
+BENCHMARK(kernel_cross_nlm_joint);
 
 }  // namespace
 }  // namespace stein::bench

@@ -3,11 +3,11 @@
 
 namespace stein::bench {
 
-BenchFrame::BenchFrame(int width, int height) {
+BenchFrame::BenchFrame(int width, int height, bool has_covariances) {
   frame_.width = width;
   frame_.height = height;
   frame_.uniform_sample_count = 8;
-  planes_.reserve(32);
+  planes_.reserve(64);
   for (std::size_t c = 0; c < 3; ++c) {
     frame_.colour[c] = add(0.0F, 4.0F);
     frame_.colour_variance[c] = add(0.0F, 0.2F);
@@ -21,6 +21,11 @@ BenchFrame::BenchFrame(int width, int height) {
       feature.variance.push_back(add(0.0F, 0.01F));
     }
     frame_.features.push_back(std::move(feature));
+  }
+  if (!has_covariances) return;
+  for (ConstPlaneView& plane : frame_.colour_covariance) plane = add(0.0F, 0.1F);
+  for (Feature& feature : frame_.features) {
+    for (std::size_t k = 0; k < 3 * feature.mean.size(); ++k) feature.colour_covariance.push_back(add(0.0F, 0.02F));
   }
 }
 

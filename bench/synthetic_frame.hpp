@@ -7,10 +7,11 @@
 
 namespace stein::bench {
 
-/// A frame with normal, albedo and depth (7 channels), all with variances, of random but bounded values; fixed seed.
+/// A frame with normal, albedo and depth (7 channels), all with variances and perhaps covariances, of random but
+/// bounded values; fixed seed.
 class BenchFrame {
  public:
-  BenchFrame(int width, int height);
+  BenchFrame(int width, int height, bool has_covariances = false);
   [[nodiscard]] const Frame& frame() const { return frame_; }
 
  private:

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -53,6 +54,35 @@ struct CrossBilateralParams {
 
 /// The three scales that the paper uses between sampling iterations (SBF sec. 5.1).
 [[nodiscard]] CrossBilateralParams intermediate_cross_bilateral();
+
+/// How cross non-local means measures the distance of two pixels of a patch.
+enum class PatchDistance : std::uint8_t {
+  kAbsolute,            ///< squared difference of the colours, SBF Eq. 10; sigma_r is in units of radiance
+  kVarianceNormalised,  ///< what exceeds the difference that noise explains, over the noise; independent of exposure
+};
+
+/// Cross non-local means bank, SBF sec. 5.4, Eq. 10 and 14: one candidate per range sigma.
+struct CrossNlmParams {
+  static constexpr std::string_view kName = "cross-nlm";
+  static constexpr bool kHasDerivative = true;
+
+  /// sigma_r of the candidates, ascending, each [1e-6..1e6], at most 12; in units of radiance with absolute distances.
+  std::vector<float> range_sigmas = {0.5F, 0.71F, 1.0F, 1.41F, 2.0F, 2.83F, 4.0F};
+
+  PatchDistance distance = PatchDistance::kVarianceNormalised;
+  int window_radius = 20;  ///< [1..32] px
+  int patch_radius = 2;    ///< [0..4] px
+  /// Patches are compared by colours blurred over 3x3 pixels with weights 1, patch_blur and patch_blur^2. [0..1]
+  float patch_blur = 1.0F;
+
+  FeatureGuides guides;
+
+  void check() const;                                              ///< see stein::check
+  [[nodiscard]] std::vector<std::string> candidate_names() const;  ///< without the unfiltered input
+};
+
+/// The smaller window for use between sampling iterations.
+[[nodiscard]] CrossNlmParams intermediate_cross_nlm();
 
 /// Isotropic Gaussian bank, SBF sec. 5.4: no features, one candidate per spatial scale. A baseline.
 struct GaussianParams {
@@ -109,7 +139,7 @@ struct AtrousSureParams {
   [[nodiscard]] std::vector<std::string> candidate_names() const;  ///< without the unfiltered input
 };
 
-using FilterSpec = std::variant<CrossBilateralParams, GaussianParams, AtrousParams, AtrousSureParams>;
+using FilterSpec = std::variant<CrossBilateralParams, CrossNlmParams, GaussianParams, AtrousParams, AtrousSureParams>;
 
 /// The name of a filter, as on the command line.
 [[nodiscard]] std::string_view filter_name(const FilterSpec& spec);

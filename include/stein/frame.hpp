@@ -64,8 +64,8 @@ struct FrameReport {
   std::vector<BadValue> first_bad_feature;  ///< per feature; meaningful if its count is > 0
   /// Pixels with a covariance that is no number, though colour and feature are usable; it counts as 0 there.
   std::int64_t bad_covariance_pixels = 0;
-  BadValue first_bad_covariance;  ///< meaningful if bad_covariance_pixels > 0
-  std::int64_t single_sample_pixels = 0;    ///< n = 1: a variance given there cannot come from the samples
+  BadValue first_bad_covariance;          ///< meaningful if bad_covariance_pixels > 0
+  std::int64_t single_sample_pixels = 0;  ///< n = 1: a variance given there cannot come from the samples
 };
 
 /// Checks the structure of a frame: sizes, presence of required planes, channel counts, unique feature names.

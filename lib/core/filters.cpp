@@ -50,26 +50,40 @@ std::string chars_of(float value, Precision... precision) {
   return {text.data(), end.ptr};
 }
 
-std::vector<std::string> scale_names(const std::vector<float>& spatial_sigmas) {
+std::vector<std::string> names_of(const std::string& what, const std::vector<float>& sigmas) {
   std::vector<std::string> names;
-  names.reserve(spatial_sigmas.size());
-  std::transform(spatial_sigmas.begin(), spatial_sigmas.end(), std::back_inserter(names),
-                 [](float sigma) { return "sigma_s=" + to_text(sigma, 3); });
+  names.reserve(sigmas.size());
+  std::transform(sigmas.begin(), sigmas.end(), std::back_inserter(names),
+                 [&](float sigma) { return what + "=" + to_text(sigma, 3); });
   return names;
 }
 
-void require_scales(const std::string& prefix, const std::vector<float>& spatial_sigmas) {
-  if (spatial_sigmas.empty() || spatial_sigmas.size() > 8) {
-    out_of_range(prefix + "the number of spatial_sigmas", std::to_string(spatial_sigmas.size()), "in [1..8]");
+// The sigmas that tell a bank's candidates apart: what each may be, and how many.
+struct SigmaRange {
+  float low = 0;
+  float high = 0;
+  std::string_view unit;
+  std::size_t most = 0;
+};
+
+void require_sigmas(const std::string& prefix, const std::string& name, const std::vector<float>& sigmas,
+                    const SigmaRange& range) {
+  if (sigmas.empty() || sigmas.size() > range.most) {
+    out_of_range(prefix + "the number of " + name, std::to_string(sigmas.size()),
+                 "in [1.." + std::to_string(range.most) + "]");
   }
-  for (std::size_t i = 0; i < spatial_sigmas.size(); ++i) {
-    const std::string what = prefix + "spatial_sigmas[" + std::to_string(i) + "]";
-    require_in_range(what, spatial_sigmas[i], 0.5F, 16.0F, "px");
-    if (i > 0 && spatial_sigmas[i] <= spatial_sigmas[i - 1]) {
-      out_of_range(what, to_text(spatial_sigmas[i]),
-                   "above the one before it (" + to_text(spatial_sigmas[i - 1]) + "): list them in ascending order");
+  for (std::size_t i = 0; i < sigmas.size(); ++i) {
+    const std::string what = prefix + name + "[" + std::to_string(i) + "]";
+    require_in_range(what, sigmas[i], range.low, range.high, range.unit);
+    if (i > 0 && sigmas[i] <= sigmas[i - 1]) {
+      out_of_range(what, to_text(sigmas[i]),
+                   "above the one before it (" + to_text(sigmas[i - 1]) + "): list them in ascending order");
     }
   }
+}
+
+void require_scales(const std::string& prefix, const std::vector<float>& spatial_sigmas) {
+  require_sigmas(prefix, "spatial_sigmas", spatial_sigmas, {0.5F, 16.0F, "px", 8});
 }
 
 void require_atrous(const std::string& owner, int levels, float value_sigma, const FeatureGuides& guides) {
@@ -139,9 +153,17 @@ CrossBilateralParams intermediate_cross_bilateral() {
   return params;
 }
 
-std::vector<std::string> CrossBilateralParams::candidate_names() const { return scale_names(spatial_sigmas); }
+std::vector<std::string> CrossBilateralParams::candidate_names() const { return names_of("sigma_s", spatial_sigmas); }
 
-std::vector<std::string> GaussianParams::candidate_names() const { return scale_names(spatial_sigmas); }
+std::vector<std::string> GaussianParams::candidate_names() const { return names_of("sigma_s", spatial_sigmas); }
+
+CrossNlmParams intermediate_cross_nlm() {
+  CrossNlmParams params;
+  params.window_radius = 10;
+  return params;
+}
+
+std::vector<std::string> CrossNlmParams::candidate_names() const { return names_of("sigma_r", range_sigmas); }
 
 std::vector<std::string> AtrousParams::candidate_names() const { return {"levels=" + std::to_string(levels)}; }
 
@@ -171,6 +193,15 @@ void CrossBilateralParams::check() const {
   const std::string prefix = std::string(kName) + ": ";
   require_scales(prefix, spatial_sigmas);
   require_not_negative(prefix + "range_sigma", range_sigma);
+  guides.check(std::string(kName));
+}
+
+void CrossNlmParams::check() const {
+  const std::string prefix = std::string(kName) + ": ";
+  require_sigmas(prefix, "range_sigmas", range_sigmas, {1e-6F, 1e6F, "", 12});
+  require_in_range(prefix + "window_radius", static_cast<float>(window_radius), 1.0F, 32.0F, "px");
+  require_in_range(prefix + "patch_radius", static_cast<float>(patch_radius), 0.0F, 4.0F, "px");
+  require_in_range(prefix + "patch_blur", patch_blur, 0.0F, 1.0F);
   guides.check(std::string(kName));
 }
 

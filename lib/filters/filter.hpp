@@ -88,6 +88,9 @@ struct FilterContext {
 [[nodiscard]] std::vector<int> halos(const AtrousSureParams& params);
 [[nodiscard]] GuideRows make_guides(const AtrousSureParams& params, const Source& source, int rows);
 [[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const AtrousSureParams& params, const FilterContext& context);
+[[nodiscard]] std::vector<int> halos(const CrossNlmParams& params);
+[[nodiscard]] GuideRows make_guides(const CrossNlmParams& params, const Source& source, int rows);
+[[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const CrossNlmParams& params, const FilterContext& context);
 
 /// The overloads for the alternative that `spec` holds.
 [[nodiscard]] std::vector<int> halos(const FilterSpec& spec);

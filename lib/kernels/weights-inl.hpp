@@ -151,8 +151,8 @@ HWY_INLINE void add_group_with_slopes(FloatTag d, const Guides& centre, const Gu
   }
 }
 
-// Distances d to the pixels x + offsets[t], without masks, and for each colour channel minus the relative change of 2^-d
-// with it: slope[c][t].
+// Distances d to the pixels x + offsets[t], without masks, and for each colour channel minus the relative change of
+// 2^-d with it: slope[c][t].
 template <bool kUsual, int kTaps>
 HWY_INLINE void guide_distances_and_slopes(FloatTag d, const Guides& centre, const Guides& around,
                                            const float* const (&covariance)[3][kMaxGuideChannels], std::ptrdiff_t x,

@@ -8,6 +8,14 @@
 namespace stein {
 namespace {
 
+// Whether the weights depend on the colours.
+template <class Params>
+bool compares_colours(const Params& params) {
+  if constexpr (requires { params.range_sigma; }) return params.range_sigma > 0.0F;
+  if constexpr (requires { params.value_sigma; }) return params.value_sigma > 0.0F;
+  return requires { params.range_sigmas; };
+}
+
 // What the filter is guided by and is noisy, by whether its covariance with the colour is known.
 struct NoisyGuides {
   std::vector<std::string> known;
@@ -24,14 +32,8 @@ NoisyGuides noisy_guides(const Frame& frame, const FilterSpec& spec) {
             (feature.colour_covariance.empty() ? noisy.unknown : noisy.known).push_back(feature.name);
           }
         }
-        if constexpr (requires { params.value_sigma; }) {
-          if (params.value_sigma > 0.0F)
-            (frame.colour_covariance[0] ? noisy.known : noisy.unknown).emplace_back("the colour channels");
-        }
-        if constexpr (requires { params.range_sigma; }) {
-          if (params.range_sigma > 0.0F)
-            (frame.colour_covariance[0] ? noisy.known : noisy.unknown).emplace_back("the colour channels");
-        }
+        if (compares_colours(params))
+          (frame.colour_covariance[0] ? noisy.known : noisy.unknown).emplace_back("the colour channels");
       },
       spec);
   return noisy;

@@ -43,6 +43,9 @@ FilterSpec scaled(FilterSpec spec, float factor) {
   std::visit(
       [&](auto& params) {
         if constexpr (requires { params.range_sigma; }) params.range_sigma *= factor;
+        if constexpr (requires { params.distance; }) {
+          for (float& sigma : params.range_sigmas) sigma *= params.distance == PatchDistance::kAbsolute ? factor : 1.0F;
+        }
       },
       spec);
   return spec;
@@ -56,15 +59,29 @@ int colours_in(const std::string& name) {
   return 0;
 }
 
+// A window of hundreds of pixels tests nothing that a smaller one does not.
+FilterSpec in_small_window(FilterSpec spec) {
+  std::visit(
+      [](auto& params) {
+        if constexpr (requires { params.window_radius; }) params.window_radius = 6;
+      },
+      spec);
+  return spec;
+}
+
 std::vector<FilterSpec> specs() {
   std::vector<FilterSpec> all;
-  for (const std::string_view name : filter_names()) all.push_back(make_filter(name));
+  for (const std::string_view name : filter_names()) all.push_back(in_small_window(make_filter(name)));
   CrossBilateralParams with_range;
   with_range.range_sigma = 0.5F;
   all.emplace_back(with_range);
   AtrousSureParams half_kept;
   half_kept.fixed_weight = 0.5F;
   all.emplace_back(half_kept);
+  CrossNlmParams absolute;
+  absolute.distance = PatchDistance::kAbsolute;
+  absolute.range_sigmas = {0.05F, 0.3F};
+  all.push_back(in_small_window(absolute));
   return all;
 }
 

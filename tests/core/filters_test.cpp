@@ -166,6 +166,57 @@ TEST_CASE("The ranges of the à-trous filters") {
   CHECK_FALSE(stein::has_derivative(stein::AtrousParams{}));
 }
 
+TEST_CASE("The cross non-local means banks name their range sigmas and differ in their windows") {
+  stein::CrossNlmParams params;
+  params.range_sigmas = {0.005F, 0.70710678F, 4.0F};
+  CHECK(stein::candidate_names(params) ==
+        std::vector<std::string>{"input", "sigma_r=0.005", "sigma_r=0.707", "sigma_r=4"});
+  CHECK(stein::CrossNlmParams{}.window_radius == 20);
+  CHECK(stein::intermediate_cross_nlm().window_radius == 10);
+  CHECK(stein::intermediate_cross_nlm().range_sigmas == stein::CrossNlmParams{}.range_sigmas);
+}
+
+TEST_CASE("Parameters of the cross non-local means bank are checked") {
+  using Params = stein::CrossNlmParams;
+  const auto message = [](const auto& change) {
+    Params params;
+    change(params);
+    return refusal(params);
+  };
+  CHECK(message([](Params& p) { p.range_sigmas = {1e-6F, 1e6F}; }).empty());
+  CHECK(message([](Params& p) { p.range_sigmas = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}; }).empty());
+  CHECK(message([](Params& p) { p.window_radius = 1; }).empty());
+  CHECK(message([](Params& p) { p.window_radius = 32; }).empty());
+  CHECK(message([](Params& p) { p.patch_radius = 0; }).empty());
+  CHECK(message([](Params& p) { p.patch_radius = 4; }).empty());
+  CHECK(message([](Params& p) { p.patch_blur = 0; }).empty());
+  const std::vector<std::pair<std::string, std::string>> messages = {
+      {message([](Params& p) { p.range_sigmas = {0.0F}; }), "range_sigmas[0] is 0, must be in [1e-06..1e+06]"},
+      {message([](Params& p) {
+         p.range_sigmas = {1, NAN};
+       }),
+       "range_sigmas[1] is nan"},
+      {message([](Params& p) {
+         p.range_sigmas = {2, 2};
+       }),
+       "range_sigmas[1] is 2, must be above"},
+      {message([](Params& p) { p.range_sigmas.clear(); }), "number of range_sigmas is 0, must be in [1..12]"},
+      {message([](Params& p) { p.range_sigmas = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13}; }),
+       "number of range_sigmas is 13"},
+      {message([](Params& p) { p.window_radius = 0; }), "window_radius is 0, must be in [1..32] px"},
+      {message([](Params& p) { p.window_radius = 33; }), "window_radius is 33"},
+      {message([](Params& p) { p.patch_radius = -1; }), "patch_radius is -1, must be in [0..4] px"},
+      {message([](Params& p) { p.patch_radius = 5; }), "patch_radius is 5"},
+      {message([](Params& p) { p.patch_blur = 1.1F; }), "patch_blur is 1.1, must be in [0..1]"},
+      {message([](Params& p) { p.guides.other_feature_sigma = -1; }), "other_feature_sigma is -1"},
+  };
+  for (const auto& [text, part] : messages) {
+    CAPTURE(text, part);
+    CHECK(contains(text, part));
+    CHECK(contains(text, "cross-nlm: "));
+  }
+}
+
 TEST_CASE("Numbers in texts are short and do not depend on the locale") {
   CHECK(stein::to_text(0.1F) == "0.1");
   CHECK(stein::to_text(16.0F) == "16");

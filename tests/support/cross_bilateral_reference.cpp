@@ -5,7 +5,6 @@
 #include <cmath>
 
 namespace stein::test {
-namespace {
 
 bool is_valid(const Frame& frame, int x, int y) {
   float mask = 0;
@@ -13,14 +12,13 @@ bool is_valid(const Frame& frame, int x, int y) {
   return mask != 0;
 }
 
-// D^2 of SBF Eq. 6 over 2 sigma_f^2, summed over the features.
-double feature_distance(const CrossBilateralParams& params, const Source& source, int xi, int yi, int xj, int yj,
+double feature_distance(const FeatureGuides& guides, const Source& source, int xi, int yi, int xj, int yj,
                         const Nudge& nudge) {
   double sum = 0;
   const std::vector<Feature>& features = source.frame().features;
   for (std::size_t f = 0; f < features.size(); ++f) {
-    double sigma = params.guides.other_feature_sigma;
-    for (const FeatureSigma& entry : params.guides.feature_sigmas)
+    double sigma = guides.other_feature_sigma;
+    for (const FeatureSigma& entry : guides.feature_sigmas)
       sigma = entry.name == features[f].name ? entry.sigma : sigma;
     float valid_i = 0;
     float valid_j = 0;
@@ -46,12 +44,10 @@ double feature_distance(const CrossBilateralParams& params, const Source& source
                    static_cast<double>(features[f].variance[k].at(xj, yj)) * nj);
     }
     variance /= static_cast<double>(features[f].mean.size());
-    sum += squared / std::max<double>(variance, params.guides.min_feature_variance) / (2.0 * sigma * sigma);
+    sum += squared / std::max<double>(variance, guides.min_feature_variance) / (2.0 * sigma * sigma);
   }
   return sum;
 }
-
-}  // namespace
 
 std::array<double, 3> cross_bilateral_reference(const CrossBilateralParams& params, const Source& source,
                                                 double sigma_s, int x, int y, const Nudge& nudge) {
@@ -64,12 +60,13 @@ std::array<double, 3> cross_bilateral_reference(const CrossBilateralParams& para
   double weight_sum = 0;
   std::array<double, 3> sum{};
   const double radius = 2.0 * sigma_s;
-  const int r = static_cast<int>(radius);
+  const auto r = static_cast<int>(radius);
   for (int py = std::max(y - r, 0); py <= std::min(y + r, frame.height - 1); ++py) {
     for (int px = std::max(x - r, 0); px <= std::min(x + r, frame.width - 1); ++px) {
-      const double distance2 = static_cast<double>((px - x) * (px - x) + (py - y) * (py - y));
+      const auto distance2 = static_cast<double>((px - x) * (px - x) + (py - y) * (py - y));
       if (distance2 > radius * radius || !is_valid(frame, px, py)) continue;
-      double exponent = distance2 / (2.0 * sigma_s * sigma_s) + feature_distance(params, source, x, y, px, py, nudge);
+      double exponent =
+          distance2 / (2.0 * sigma_s * sigma_s) + feature_distance(params.guides, source, x, y, px, py, nudge);
       for (std::size_t c = 0; c < 3 && params.range_sigma > 0; ++c) {
         const double difference = colour(x, y, c) - colour(px, py, c);
         exponent += difference * difference / (2.0 * params.range_sigma * params.range_sigma);
@@ -130,21 +127,26 @@ Nudge nudge_of(const Frame& frame, const OwnInputs& inputs, std::size_t input, d
 
 }  // namespace
 
-std::array<double, 3> divergence_reference(const CrossBilateralParams& params, const Source& source, double sigma_s,
-                                           int x, int y, Divergence divergence) {
+std::array<double, 3> divergence_reference(const Source& source, int x, int y, Divergence divergence,
+                                           const NudgedFilter& filter) {
   constexpr double kStep = 1e-5;
   std::array<double, 3> sum{};
   for (std::size_t c = 0; c < 3; ++c) {
     const OwnInputs inputs = own_inputs(source, c, x, y, divergence);
     for (std::size_t i = 0; i < inputs.covariance.size(); ++i) {
       if (inputs.covariance[i] == 0.0) continue;
-      const auto at = [&](double step) {
-        return cross_bilateral_reference(params, source, sigma_s, x, y, nudge_of(source.frame(), inputs, i, step))[c];
-      };
+      const auto at = [&](double step) { return filter(nudge_of(source.frame(), inputs, i, step))[c]; };
       sum[c] += (at(kStep) - at(-kStep)) / (2.0 * kStep) * inputs.covariance[i];
     }
   }
   return sum;
+}
+
+std::array<double, 3> divergence_reference(const CrossBilateralParams& params, const Source& source, double sigma_s,
+                                           int x, int y, Divergence divergence) {
+  return divergence_reference(source, x, y, divergence, [&](const Nudge& nudge) {
+    return cross_bilateral_reference(params, source, sigma_s, x, y, nudge);
+  });
 }
 
 }  // namespace stein::test

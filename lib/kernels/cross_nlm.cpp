@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// SBF: Li, Wu, Chuang, "SURE-based Optimization for Adaptive Sampling and Reconstruction", 2012.
+// Joint SURE: Li, "Joint Stein's Unbiased Risk Estimation for Adaptive Sampling and Reconstruction", 2017.
+#include "kernels/cross_nlm.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/cross_nlm.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "kernels/patch_distance-inl.hpp"
+#include "kernels/weights-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace stein::kernels::HWY_NAMESPACE {
+
+// What moves a weight with the pixel's own noise. Blocks without noise, such as skies, take the short way.
+enum class Slopes { kNone, kColour, kColourAndGuides };
+
+template <Slopes kSlopes>
+inline constexpr int kSumsOf = kSlopes == Slopes::kNone ? 4 : kNlmSums;
+
+// One vector of pixels and a batch of its neighbours.
+struct BatchSite {
+  std::ptrdiff_t x = 0;  // of the pixels
+  const std::ptrdiff_t* taps = nullptr;
+  TapDistances distances;              // of the batch's first tap; kNlmBlockPixels apart from tap to tap
+  float* HWY_RESTRICT sums = nullptr;  // [candidate][kNlmSums][lanes]
+};
+
+template <int kTaps>
+struct Batch {
+  FloatVec guide_distance[kTaps];
+  FloatVec guide_slope[3][kTaps];
+  FloatVec patch_distance[kTaps];
+  FloatVec colour[3][kTaps];       // x_j: one copy, for reads at any address cross cache lines
+  FloatVec difference[3][kTaps];   // x_i - x_j
+  FloatVec patch_slope[3][kTaps];  // over 1 / sigma_r^2
+};
+
+// The patches' slopes contracted with the pixel's covariances: SBF Eq. 14, second and third term.
+template <int kTaps>
+HWY_INLINE void patch_slopes(FloatTag d, const CrossNlmRows& rows, const BatchSite& site, Batch<kTaps>& batch) {
+  FloatVec z[3][kTaps];
+  for (int c = 0; c < 3; ++c) {
+    for (int t = 0; t < kTaps; ++t) {
+      z[c][t] = hn::Load(d, site.distances.slope[c] + t * static_cast<std::ptrdiff_t>(kNlmBlockPixels));
+    }
+  }
+  constexpr int kEntry[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
+  for (int c = 0; c < 3; ++c) {
+    const FloatVec v0 = hn::LoadU(d, rows.colour_covariance[kEntry[c][0]] + site.x);
+    const FloatVec v1 = hn::LoadU(d, rows.colour_covariance[kEntry[c][1]] + site.x);
+    const FloatVec v2 = hn::LoadU(d, rows.colour_covariance[kEntry[c][2]] + site.x);
+    for (int t = 0; t < kTaps; ++t) {
+      batch.patch_slope[c][t] = hn::MulAdd(v2, z[2][t], hn::MulAdd(v1, z[1][t], hn::Mul(v0, z[0][t])));
+    }
+  }
+}
+
+HWY_INLINE void add_to(FloatTag d, float* HWY_RESTRICT sum, FloatVec value) {
+  hn::Store(hn::Add(hn::Load(d, sum), value), d, sum);
+}
+
+template <int kTaps>
+HWY_INLINE void add_products(FloatTag d, float* HWY_RESTRICT sum, const FloatVec (&a)[kTaps],
+                             const FloatVec (&b)[kTaps]) {
+  FloatVec total = hn::Load(d, sum);
+  for (int t = 0; t < kTaps; ++t) total = hn::MulAdd(a[t], b[t], total);
+  hn::Store(total, d, sum);
+}
+
+// Adds one candidate's weights; false if all of them are 0, and hence all of smaller sigma_r.
+template <Slopes kSlopes, int kTaps>
+HWY_INLINE bool add_candidate(FloatTag d, const CrossNlmRows& rows, int candidate, const Batch<kTaps>& batch,
+                              float* HWY_RESTRICT sums) {
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  const FloatVec exponent = hn::Set(d, rows.exponent[candidate]);
+  FloatVec w[kTaps];
+  FloatVec total = hn::Zero(d);
+  for (int t = 0; t < kTaps; ++t) {
+    w[t] = exp2_negative(d, hn::MulAdd(exponent, batch.patch_distance[t], batch.guide_distance[t]));
+    total = hn::Add(total, w[t]);
+  }
+  if (hn::AllTrue(d, hn::Eq(total, hn::Zero(d)))) return false;
+  add_to(d, sums, total);
+  for (int c = 0; c < 3; ++c) {
+    add_products(d, sums + (1 + c) * lanes, w, batch.colour[c]);
+    if constexpr (kSlopes != Slopes::kNone) {
+      const FloatVec factor = hn::Set(d, rows.slope[candidate]);
+      FloatVec slope[kTaps];
+      for (int t = 0; t < kTaps; ++t) {
+        slope[t] = kSlopes == Slopes::kColour ? hn::Mul(factor, batch.patch_slope[c][t])
+                                              : hn::MulAdd(factor, batch.patch_slope[c][t], batch.guide_slope[c][t]);
+        slope[t] = hn::Mul(slope[t], w[t]);
+      }
+      FloatVec slope_sum = slope[0];
+      for (int t = 1; t < kTaps; ++t) slope_sum = hn::Add(slope_sum, slope[t]);
+      add_to(d, sums + (4 + c) * lanes, slope_sum);
+      add_products(d, sums + (7 + c) * lanes, slope, batch.difference[c]);
+    }
+  }
+  return true;
+}
+
+template <Slopes kSlopes, bool kUsual>
+HWY_INLINE void add_batch(FloatTag d, const CrossNlmRows& rows, const BatchSite& site) {
+  Batch<kTapBatch> batch;
+  std::ptrdiff_t at[kTapBatch];
+  for (int t = 0; t < kTapBatch; ++t) at[t] = site.x + site.taps[t];
+  if constexpr (kSlopes == Slopes::kColourAndGuides) {
+    guide_distances_and_slopes<kUsual>(d, rows.guides, rows.guides, rows.guide_covariance, site.x, at,
+                                       batch.guide_distance, batch.guide_slope);
+  } else {
+    guide_distances<kUsual>(d, rows.guides, rows.guides, site.x, at, batch.guide_distance);
+  }
+  for (int t = 0; t < kTapBatch; ++t) {
+    batch.patch_distance[t] = hn::Load(d, site.distances.distance + t * static_cast<std::ptrdiff_t>(kNlmBlockPixels));
+    for (int c = 0; c < 3; ++c) {
+      batch.colour[c][t] = hn::LoadU(d, rows.colour[c] + at[t]);
+      batch.difference[c][t] = hn::Sub(hn::LoadU(d, rows.colour[c] + site.x), batch.colour[c][t]);
+    }
+  }
+  if constexpr (kSlopes != Slopes::kNone) patch_slopes(d, rows, site, batch);
+  const std::ptrdiff_t sums_step = kNlmSums * static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  for (int s = rows.candidates - 1; s >= 0; --s) {
+    if (!add_candidate<kSlopes>(d, rows, s, batch, site.sums + s * sums_step)) break;
+  }
+}
+
+// Sums over a group of taps for one vector of pixels.
+template <Slopes kSlopes, bool kUsual>
+HWY_NOINLINE void add_group_of_taps(const CrossNlmRows& rows, BatchSite site, int tap_count) {
+  const FloatTag d;
+  for (int t = 0; t < tap_count; t += kTapBatch) {
+    add_batch<kSlopes, kUsual>(d, rows, site);
+    site.taps += kTapBatch;
+    constexpr std::ptrdiff_t kStep = kTapBatch * static_cast<std::ptrdiff_t>(kNlmBlockPixels);
+    site.distances.distance += kStep;
+    for (auto& slope : site.distances.slope) slope += kStep;
+  }
+}
+
+HWY_INLINE bool any_covariance(FloatTag d, const float* const* first, int count, std::ptrdiff_t x) {
+  FloatVec any = hn::Zero(d);
+  for (int k = 0; k < count; ++k) any = hn::Or(any, hn::LoadU(d, first[k] + x));
+  return !hn::AllTrue(d, hn::Eq(any, hn::Zero(d)));
+}
+
+HWY_INLINE Slopes slopes_at(FloatTag d, const CrossNlmRows& rows, std::ptrdiff_t x) {
+  const int channels = rows.guides.groups > 0 ? rows.guides.group_end[rows.guides.groups - 1] : 0;
+  for (int c = 0; c < 3 && rows.has_guide_covariance; ++c) {
+    if (any_covariance(d, rows.guide_covariance[c], channels, x)) return Slopes::kColourAndGuides;
+  }
+  return any_covariance(d, rows.colour_covariance, 6, x) ? Slopes::kColour : Slopes::kNone;
+}
+
+template <bool kUsual>
+void add_sums(const CrossNlmRows& rows, Slopes slopes, const BatchSite& site, int tap_count) {
+  if (slopes == Slopes::kNone) {
+    add_group_of_taps<Slopes::kNone, kUsual>(rows, site, tap_count);
+  } else if (slopes == Slopes::kColour) {
+    add_group_of_taps<Slopes::kColour, kUsual>(rows, site, tap_count);
+  } else {
+    add_group_of_taps<Slopes::kColourAndGuides, kUsual>(rows, site, tap_count);
+  }
+}
+
+// F and D of all candidates from their sums (SBF Eq. 5; D of Joint SURE Eq. 2).
+HWY_INLINE void finish(FloatTag d, const CrossNlmRows& rows, int y, std::ptrdiff_t x, const float* HWY_RESTRICT sums) {
+  const FloatVec one = hn::Set(d, 1.0F);
+  const std::ptrdiff_t at = x + y * rows.pitch;
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  for (int s = 0; s < rows.candidates; ++s, sums += kNlmSums * lanes) {
+    const FloatVec weight = hn::Load(d, sums);
+    const auto has_weight = hn::Gt(weight, hn::Zero(d));
+    const FloatVec inverse = hn::IfThenElseZero(has_weight, hn::Div(one, hn::IfThenElse(has_weight, weight, one)));
+    for (int c = 0; c < 3; ++c) {
+      const FloatVec own = hn::LoadU(d, rows.colour[c] + at);
+      const FloatVec mean = hn::Mul(hn::Load(d, sums + (1 + c) * lanes), inverse);
+      // dw_j = -w_j s_j and x_j - F = (x_i - F) - e_j: sum_j dw_j (x_j - F), and the pixel's own term, w_ii = 1.
+      const FloatVec moved =
+          hn::NegMulAdd(hn::Sub(own, mean), hn::Load(d, sums + (4 + c) * lanes), hn::Load(d, sums + (7 + c) * lanes));
+      const FloatVec divergence = hn::Mul(hn::Add(hn::LoadU(d, rows.colour_covariance[c] + at), moved), inverse);
+      hn::StoreU(hn::IfThenElse(has_weight, mean, own), d, rows.result[y][s][c] + x);
+      hn::StoreU(divergence, d, rows.divergence[y][s][c] + x);
+    }
+  }
+}
+
+// Fills the distances of taps [first, first + count); padding counts nothing.
+HWY_INLINE void fill_distances(const PatchBlock& block, int first, int count, const TapDistances& to) {
+  const CrossNlmRows& rows = block.rows;
+  const int near_side = 2 * rows.near_radius + 1;
+  for (int t = 0; t < count; ++t) {
+    const int index = first + t;
+    const std::size_t at = static_cast<std::size_t>(t) * kNlmBlockPixels;
+    if (index < rows.tap_count) {
+      const Tap tap{rows.taps[index], index < near_side * near_side, index % near_side - rows.near_radius,
+                    index / near_side - rows.near_radius};
+      patch_distances(block, tap, {to.distance + at, {to.slope[0] + at, to.slope[1] + at, to.slope[2] + at}});
+      continue;
+    }
+    std::fill_n(to.distance + at, kNlmBlockPixels, kNoNeighbour);
+    for (float* slope : to.slope) std::fill_n(slope + at, kNlmBlockPixels, 0.0F);
+  }
+}
+
+// Whether all that the block's patches and neighbours reach are sources: then the patches' sizes are known.
+HWY_INLINE bool has_hole(FloatTag d, const PatchBlock& block) {
+  const CrossNlmRows& rows = block.rows;
+  const int rim = rows.window_radius + block.rim();
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  for (int y = -rim; y < rows.rows + rim; ++y) {
+    const float* mask = rows.guides.mask + block.x + y * rows.pitch;
+    for (int x = -rim; x < block.width + rim; x += lanes) {
+      const int at = std::min(x, block.width + rim - lanes);
+      if (!hn::AllTrue(d, hn::Eq(hn::LoadU(d, mask + at), hn::Set(d, 1.0F)))) return true;
+    }
+  }
+  return false;
+}
+
+template <bool kUsual>
+HWY_INLINE void run_block(const CrossNlmRows& rows, std::ptrdiff_t x, int width) {
+  const FloatTag d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  float* next = rows.scratch;
+  const auto take = [&](std::size_t floats) { return std::exchange(next, next + floats); };
+  constexpr std::size_t kGroup = kNlmTapGroup * kNlmBlockPixels;
+  const TapDistances distances{take(kGroup), {take(kGroup), take(kGroup), take(kGroup)}};
+  const auto field = [&] { return take(kNlmPatchFloats); };
+  PatchBlock block{rows,
+                   x,
+                   width,
+                   false,
+                   {field(), field(), {field(), field(), field()}, field(), field(), {field(), field(), field()}}};
+  block.is_masked = has_hole(d, block);
+  float* sums = next;
+  const std::ptrdiff_t vectors = width / lanes;
+  const std::ptrdiff_t sums_step = static_cast<std::ptrdiff_t>(rows.candidates) * kNlmSums * lanes;
+  std::fill_n(sums, static_cast<std::size_t>(sums_step * vectors * rows.rows), 0.0F);
+
+  const int padded = (rows.tap_count + kTapBatch - 1) / kTapBatch * kTapBatch;
+  for (int first = 0; first < padded; first += kNlmTapGroup) {
+    const int count = std::min(kNlmTapGroup, padded - first);
+    fill_distances(block, first, count, distances);
+    for (int y = 0; y < rows.rows; ++y) {
+      for (std::ptrdiff_t v = 0; v < vectors; ++v) {
+        BatchSite site;
+        site.x = x + v * lanes + y * rows.pitch;
+        site.taps = rows.taps + first;
+        const std::ptrdiff_t pixel = static_cast<std::ptrdiff_t>(kNlmBlockWidth) * y + v * lanes;
+        site.distances = {distances.distance + pixel,
+                          {distances.slope[0] + pixel, distances.slope[1] + pixel, distances.slope[2] + pixel}};
+        site.sums = sums + (y * vectors + v) * sums_step;
+        add_sums<kUsual>(rows, slopes_at(d, rows, site.x), site, count);
+      }
+    }
+  }
+  for (int y = 0; y < rows.rows; ++y) {
+    for (std::ptrdiff_t v = 0; v < vectors; ++v)
+      finish(d, rows, y, x + v * lanes, sums + (y * vectors + v) * sums_step);
+  }
+}
+
+void CrossNlmRowsTarget(const CrossNlmRows& rows) {
+  const bool is_usual_set = is_usual(rows.guides);
+  for (int x = 0; x < rows.count; x += kNlmBlockWidth) {
+    const int width = std::min(kNlmBlockWidth, (rows.count - x + kMaxLanes - 1) / kMaxLanes * kMaxLanes);
+    if (is_usual_set) {
+      run_block<true>(rows, x, width);
+    } else {
+      run_block<false>(rows, x, width);
+    }
+  }
+}
+
+}  // namespace stein::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace stein::kernels {
+
+HWY_EXPORT(CrossNlmRowsTarget);
+
+void cross_nlm_rows(const CrossNlmRows& rows) { HWY_DYNAMIC_DISPATCH(CrossNlmRowsTarget)(rows); }
+
+}  // namespace stein::kernels
+#endif  // HWY_ONCE

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Distances of the patches around the pixels of a block to the patches around their neighbours at one offset, and how
+// they change with the pixel. Compiled once per instruction set.
+#if defined(STEIN_KERNELS_PATCH_DISTANCE_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef STEIN_KERNELS_PATCH_DISTANCE_INL
+#undef STEIN_KERNELS_PATCH_DISTANCE_INL
+#else
+#define STEIN_KERNELS_PATCH_DISTANCE_INL
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+
+#include "kernels/cross_nlm.hpp"
+#include "kernels/weights-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace stein::kernels::HWY_NAMESPACE {
+
+// Exact pixels: the reciprocal of their noise must stay finite, and so must the distance of any two radiances.
+inline constexpr float kLeastNoise = 1e-24F;
+// Of neighbours that count nothing: 2^-d is exactly 0 for any exponent.
+inline constexpr float kNoNeighbour = 1e30F;
+
+inline constexpr auto kPatchLine = static_cast<std::ptrdiff_t>(kNlmPatchWidth);
+
+// Fields over a block and a rim around it, kPatchLine from row to row. The pixel at their start lies a rim up and left.
+struct PatchFields {
+  float* HWY_RESTRICT pairs;      // distance of the two pixels
+  float* HWY_RESTRICT masks;      // 1 where both are sources
+  float* slopes[3];               // half its derivative by the pixel's own colour
+  float* HWY_RESTRICT pair_sums;  // sums along x of these, without the rim at the sides
+  float* HWY_RESTRICT mask_sums;
+  float* slope_sums[3];
+};
+
+struct PatchBlock {
+  const CrossNlmRows& rows;
+  std::ptrdiff_t x = 0;    // first pixel of the block
+  int width = 0;           // a multiple of kMaxLanes
+  bool is_masked = false;  // whether any pixel that its patches or neighbours reach is no source
+  PatchFields fields;
+  [[nodiscard]] int rim() const { return std::max(rows.patch_radius, 1); }
+};
+
+struct Tap {
+  std::ptrdiff_t offset = 0;
+  bool is_near = false;
+  int dx = 0;  // of near taps
+  int dy = 0;
+};
+
+// What a tap's distances go to, kNlmBlockWidth apart from row to row.
+struct TapDistances {
+  float* HWY_RESTRICT distance;
+  float* slope[3];  // half the derivative by the pixel's own colour
+};
+
+// The colours of the two pixels of a pair apart, and what their squared difference is multiplied by.
+struct Pair {
+  FloatVec difference[3];
+  FloatVec distance;
+  FloatVec factor;
+};
+
+// |a - b|^2, or (|a - b|^2 - (v_a + min(v_a, v_b))) / (v_a + v_b); 0 unless both are sources.
+template <bool kNormalised, bool kMasked>
+HWY_INLINE Pair pair_at(FloatTag d, const CrossNlmRows& rows, std::ptrdiff_t a, std::ptrdiff_t b) {
+  Pair pair;
+  for (int c = 0; c < 3; ++c) {
+    pair.difference[c] = hn::Sub(hn::LoadU(d, rows.blurred[c] + a), hn::LoadU(d, rows.blurred[c] + b));
+  }
+  const FloatVec e0 = pair.difference[0];
+  const FloatVec e1 = pair.difference[1];
+  const FloatVec e2 = pair.difference[2];
+  pair.distance = hn::MulAdd(e2, e2, hn::MulAdd(e1, e1, hn::Mul(e0, e0)));
+  pair.factor = hn::Set(d, 1.0F);
+  if constexpr (kNormalised) {
+    const FloatVec va = hn::LoadU(d, rows.noise + a);
+    const FloatVec vb = hn::LoadU(d, rows.noise + b);
+    pair.factor = reciprocal(d, hn::Max(hn::Add(va, vb), hn::Set(d, kLeastNoise)));
+    pair.distance = hn::Mul(hn::Sub(pair.distance, hn::Add(va, hn::Min(va, vb))), pair.factor);
+  }
+  if constexpr (kMasked) {
+    const FloatVec both = hn::Mul(hn::LoadU(d, rows.guides.mask + a), hn::LoadU(d, rows.guides.mask + b));
+    pair.distance = hn::Mul(pair.distance, both);
+    pair.factor = hn::Mul(pair.factor, both);
+  }
+  return pair;
+}
+
+template <bool kNormalised, bool kMasked>
+HWY_INLINE void fill_pairs(FloatTag d, const PatchBlock& block, std::ptrdiff_t tap) {
+  const CrossNlmRows& rows = block.rows;
+  const PatchFields& fields = block.fields;
+  const int rim = block.rim();
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  for (int y = -rim; y < rows.rows + rim; ++y) {
+    const std::ptrdiff_t line = kPatchLine * (y + rim);
+    const std::ptrdiff_t first = block.x - rim + y * rows.pitch;
+    for (int k = 0; k < block.width + 2 * rim; k += lanes) {
+      const std::ptrdiff_t at = first + k;
+      const Pair pair = pair_at<kNormalised, kMasked>(d, rows, at, at + tap);
+      hn::Store(pair.distance, d, fields.pairs + line + k);
+      const FloatVec slope = hn::Mul(pair.factor, hn::LoadU(d, rows.gain + at));
+      for (int c = 0; c < 3; ++c) hn::Store(hn::Mul(slope, pair.difference[c]), d, fields.slopes[c] + line + k);
+      if constexpr (kMasked) {
+        const FloatVec both = hn::Mul(hn::LoadU(d, rows.guides.mask + at), hn::LoadU(d, rows.guides.mask + at + tap));
+        hn::Store(both, d, fields.masks + line + k);
+      }
+    }
+  }
+}
+
+// Sums of the patches' pixels along x. Always the same additions in the same order, so that neither drift nor the
+// block's place can show.
+template <int kRadius>
+HWY_INLINE void sum_along_x(FloatTag d, const PatchBlock& block, const float* HWY_RESTRICT in,
+                            float* HWY_RESTRICT out) {
+  const int radius = kRadius >= 0 ? kRadius : block.rows.patch_radius;
+  const int first = block.rim() - radius;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  for (int y = first; y < block.rows.rows + block.rim() + radius; ++y) {
+    for (int k = 0; k < block.width; k += lanes) {
+      const float* HWY_RESTRICT from = in + kPatchLine * y + k + first;
+      FloatVec sum = hn::LoadU(d, from);
+      for (int n = 1; n <= 2 * radius; ++n) sum = hn::Add(sum, hn::LoadU(d, from + n));
+      hn::Store(sum, d, out + kPatchLine * y + k);
+    }
+  }
+}
+
+template <int kRadius>
+HWY_INLINE FloatVec patch_sum(FloatTag d, int radius, const float* HWY_RESTRICT sums) {
+  FloatVec sum = hn::Load(d, sums);
+  for (int n = 1; n <= 2 * (kRadius >= 0 ? kRadius : radius); ++n) {
+    sum = hn::Add(sum, hn::Load(d, sums + n * kPatchLine));
+  }
+  return sum;
+}
+
+// Weights 1 and blur at either side: the pixel's part in the blurred colours of the patch around it.
+HWY_INLINE FloatVec spread(FloatVec blur, FloatVec before, FloatVec centre, FloatVec after) {
+  return hn::MulAdd(blur, hn::Add(before, after), centre);
+}
+
+HWY_INLINE float patch_blur(const CrossNlmRows& rows) { return rows.patch_radius > 0 ? rows.blur : 0.0F; }
+
+HWY_INLINE void spread_along_x(FloatTag d, const PatchBlock& block) {
+  const FloatVec blur = hn::Set(d, patch_blur(block.rows));
+  const int rim = block.rim();
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  for (int c = 0; c < 3; ++c) {
+    for (int y = rim - 1; y < block.rows.rows + rim + 1; ++y) {
+      for (int k = 0; k < block.width; k += lanes) {
+        const float* HWY_RESTRICT from = block.fields.slopes[c] + kPatchLine * y + k + rim;
+        const FloatVec sum = spread(blur, hn::LoadU(d, from - 1), hn::LoadU(d, from), hn::LoadU(d, from + 1));
+        hn::Store(sum, d, block.fields.slope_sums[c] + kPatchLine * y + k);
+      }
+    }
+  }
+}
+
+// Adds the pixel's part in the blurred colours of the patch around its neighbour, for the pairs (i - m - tap, i - m).
+template <bool kNormalised, bool kMasked>
+HWY_INLINE void add_near_slopes(FloatTag d, const CrossNlmRows& rows, std::ptrdiff_t at, const Tap& tap,
+                                FloatVec (&slope)[3]) {
+  for (int my = -1; my <= 1; ++my) {
+    for (int mx = -1; mx <= 1; ++mx) {
+      if (std::max(std::abs(tap.dx + mx), std::abs(tap.dy + my)) > rows.patch_radius) continue;
+      const std::ptrdiff_t seen = at - (my * rows.pitch + mx);
+      const Pair pair = pair_at<kNormalised, kMasked>(d, rows, seen, seen - tap.offset);
+      const float weight = (mx == 0 ? 1.0F : rows.blur) * (my == 0 ? 1.0F : rows.blur);
+      const FloatVec factor = hn::Mul(hn::Mul(hn::Set(d, weight), hn::LoadU(d, rows.gain + seen)), pair.factor);
+      for (int c = 0; c < 3; ++c) slope[c] = hn::MulAdd(factor, pair.difference[c], slope[c]);
+    }
+  }
+}
+
+template <int kRadius, bool kNormalised, bool kMasked>
+HWY_INLINE void finish_pixels(FloatTag d, const PatchBlock& block, int y, int k, const Tap& tap,
+                              const TapDistances& out) {
+  const CrossNlmRows& rows = block.rows;
+  const int radius = kRadius >= 0 ? kRadius : rows.patch_radius;
+  const FloatVec one = hn::Set(d, 1.0F);
+  const std::ptrdiff_t at = block.x + k + y * rows.pitch;
+  const std::ptrdiff_t to = static_cast<std::ptrdiff_t>(kNlmBlockWidth) * y + k;
+  const std::ptrdiff_t centre = kPatchLine * (y + block.rim()) + k;
+  const std::ptrdiff_t patch = centre - kPatchLine * radius;
+  FloatVec share = hn::Set(d, 1.0F / static_cast<float>((2 * radius + 1) * (2 * radius + 1)));
+  if constexpr (kMasked) {
+    share = hn::Div(one, hn::Max(patch_sum<kRadius>(d, radius, block.fields.mask_sums + patch), one));
+  }
+  const FloatVec mean = hn::Mul(patch_sum<kRadius>(d, radius, block.fields.pair_sums + patch), share);
+  FloatVec distance = hn::Max(mean, hn::Zero(d));
+  if constexpr (kMasked) {
+    const auto is_source = hn::Gt(hn::LoadU(d, rows.guides.mask + at + tap.offset), hn::Zero(d));
+    distance = hn::IfThenElse(is_source, distance, hn::Set(d, kNoNeighbour));
+  }
+  hn::Store(distance, d, out.distance + to);
+  const FloatVec blur = hn::Set(d, patch_blur(rows));
+  FloatVec slope[3];
+  for (int c = 0; c < 3; ++c) {
+    const float* HWY_RESTRICT sums = block.fields.slope_sums[c] + centre;
+    slope[c] = spread(blur, hn::Load(d, sums - kPatchLine), hn::Load(d, sums), hn::Load(d, sums + kPatchLine));
+  }
+  if (tap.is_near) add_near_slopes<kNormalised, kMasked>(d, rows, at, tap, slope);
+  share = hn::IfThenElseZero(hn::Gt(mean, hn::Zero(d)), share);  // a clamped distance does not move
+  for (int c = 0; c < 3; ++c) hn::Store(hn::Mul(slope[c], share), d, out.slope[c] + to);
+}
+
+template <int kRadius, bool kNormalised, bool kMasked>
+HWY_NOINLINE void patch_distances_as(const PatchBlock& block, const Tap& tap, const TapDistances& out) {
+  const FloatTag d;
+  fill_pairs<kNormalised, kMasked>(d, block, tap.offset);
+  sum_along_x<kRadius>(d, block, block.fields.pairs, block.fields.pair_sums);
+  if constexpr (kMasked) sum_along_x<kRadius>(d, block, block.fields.masks, block.fields.mask_sums);
+  spread_along_x(d, block);
+  for (int y = 0; y < block.rows.rows; ++y) {
+    for (int k = 0; k < block.width; k += static_cast<int>(hn::Lanes(d))) {
+      finish_pixels<kRadius, kNormalised, kMasked>(d, block, y, k, tap, out);
+    }
+  }
+}
+
+// One path for patches of 5x5, one for all others.
+inline void patch_distances(const PatchBlock& block, const Tap& tap, const TapDistances& out) {
+  constexpr int kUsualRadius = 2;
+  constexpr int kAny = -1;
+  using Run = void (*)(const PatchBlock&, const Tap&, const TapDistances&);
+  static constexpr Run kRuns[2][2][2] = {
+      {{patch_distances_as<kAny, false, false>, patch_distances_as<kAny, false, true>},
+       {patch_distances_as<kAny, true, false>, patch_distances_as<kAny, true, true>}},
+      {{patch_distances_as<kUsualRadius, false, false>, patch_distances_as<kUsualRadius, false, true>},
+       {patch_distances_as<kUsualRadius, true, false>, patch_distances_as<kUsualRadius, true, true>}}};
+  const bool is_usual_radius = block.rows.patch_radius == kUsualRadius;
+  kRuns[is_usual_radius ? 1 : 0][block.rows.is_normalised ? 1 : 0][block.is_masked ? 1 : 0](block, tap, out);
+}
+
+}  // namespace stein::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard
