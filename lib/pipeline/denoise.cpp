@@ -120,14 +120,20 @@ DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {
   const exec::RowPipelineGeometry geometry = geometry_of(frame, params.execution, runner.slots());
   const int ring_rows = window_rows(params, risk.method, geometry);
   FilterRuns runs(source, params, risk.method, geometry, ring_rows, runner.slots());
-  Survey found;
-  clock.measure("survey", [&] { found = survey(source, runs, geometry, runner, kSurveyShare); });
-  for (std::string& doubt : doubts(found, risk.knows_covariances)) report.warnings.push_back(std::move(doubt));
+  Surveyor surveyor(source, runs, geometry, runner.slots());
+  // Filters of several passes need nearly all rows for a few: they do without a prior.
+  const bool has_prior = params.selection == Selection::kEvidence && runs.passes() == 1;
+  Survey prior;
+  if (has_prior) clock.measure("survey", [&] { prior = survey(surveyor, runs, geometry, runner, kSurveyShare); });
 
-  Stages pipeline(source, params, runs, found, geometry, ring_rows, runner.slots(), result);
-  const std::vector<double> seconds = exec::run_row_pipeline(geometry, pipeline.list(), runner, kMainShare);
+  Stages pipeline(source, params, runs, has_prior ? &prior : nullptr, surveyor, geometry, ring_rows, runner.slots(),
+                  result);
+  const std::vector<double> seconds =
+      exec::run_row_pipeline(geometry, pipeline.list(), runner, kMainShare + (has_prior ? 0.0 : kSurveyShare));
   for (std::size_t s = 0; s < seconds.size(); ++s) clock.add(pipeline.list()[s].name, seconds[s]);
 
+  for (std::string& doubt : doubts(has_prior ? prior : surveyor.result(), risk.knows_covariances))
+    report.warnings.push_back(std::move(doubt));
   report.mean_relative_error = pipeline.mean_relative_error();
   clock.measure("summarise", [&] { summarise(source, params, runner, kRestShare / 2, result); });
   return result;

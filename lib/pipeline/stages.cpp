@@ -18,7 +18,7 @@ namespace {
 // would take 800. Feature sigmas are doubled: each pass weighs edges anew, and three narrow passes would smooth too
 // little.
 const std::vector<int> kRiskSteps = {1, 2, 4};
-const std::vector<int> kWeightSteps = {1, 2};
+const std::vector<int> kWeightSteps = {2};
 const std::vector<int> kErrorSteps = {1, 2, 4};
 constexpr float kSmoothingSigmaScale = 2.0F;
 constexpr int kBlock = 16;  // pixels of a row that are summed together: tiles are made of whole blocks
@@ -33,8 +33,9 @@ int window_rows(const DenoiseParams& params, Risk risk, const exec::RowPipelineG
   return exec::ring_capacity(geometry, halos);
 }
 
-Stages::Stages(const Source& source, const DenoiseParams& params, FilterRuns& runs, const Survey& survey,
-               const exec::RowPipelineGeometry& geometry, int ring_rows, int slots, DenoiseResult& result)
+Stages::Stages(const Source& source, const DenoiseParams& params, FilterRuns& runs, const Survey* prior,
+               Surveyor& surveyor, const exec::RowPipelineGeometry& geometry, int ring_rows, int slots,
+               DenoiseResult& result)
     : source_(source),
       params_(params),
       runs_(runs),
@@ -42,12 +43,13 @@ Stages::Stages(const Source& source, const DenoiseParams& params, FilterRuns& ru
       result_(result),
       ring_rows_(ring_rows),
       entries_(runs.entries()),
-      weighs_evidence_(params.selection == Selection::kEvidence),
-      baseline_(weighs_evidence_ ? survey.best : 0),
+      surveyor_(prior == nullptr ? &surveyor : nullptr),
+      weighs_evidence_(prior != nullptr),
+      baseline_(prior != nullptr ? prior->best : 0),
       relative_errors_(static_cast<std::size_t>((geometry.width + kBlock - 1) / kBlock) *
                        static_cast<std::size_t>(geometry.height)) {
-  const float least = survey.mean_risk[static_cast<std::size_t>(baseline_)];
-  for (const float risk : survey.mean_risk) prior_.push_back(risk - least);
+  for (std::size_t e = 0; prior != nullptr && e < prior->mean_risk.size(); ++e)
+    prior_.push_back(prior->mean_risk[e] - prior->mean_risk[static_cast<std::size_t>(baseline_)]);
   const std::size_t lines = 6 + static_cast<std::size_t>(kMaxEntries);
   lines_.assign(static_cast<std::size_t>(slots),
                 std::vector<float>(lines * static_cast<std::size_t>(geometry.tile_width)));
@@ -62,7 +64,7 @@ void Stages::plan() {
   runs_.add_stages(
       {}, [this](const Rect& tile, int slot) { compare(tile, slot); }, list_);
   add_risk_passes();
-  if (weighs_evidence_) {
+  if (params_.selection == Selection::kEvidence) {
     weights_ = add_passes("select", choices_, kWeightSteps, &Stages::mix);
   } else {
     weights_ = choices_;
@@ -121,6 +123,9 @@ MapRows Stages::add_passes(const std::string& name, MapRows maps, const std::vec
 
 // Relative risks, clipped, minus that of the baseline.
 void Stages::compare(const Rect& tile, int slot) {
+  if (surveyor_ != nullptr) {
+    for (const Rect& part : surveyor_->parts(tile)) surveyor_->add(part, slot);
+  }
   const int n = tile.width();
   const std::ptrdiff_t pitch = geometry_.tile_width;
   float* lines = lines_of(slot);

@@ -22,8 +22,9 @@ namespace stein {
 /// Entry 0 is the unfiltered input, entry k the filter's candidate k - 1.
 class Stages {
  public:
-  /// Everything referred to must outlive this.
-  Stages(const Source& source, const DenoiseParams& params, FilterRuns& runs, const Survey& survey,
+  /// Everything referred to must outlive this. `prior`: what is known of the image as a whole; where there is none, the
+  /// stages show their candidates to `surveyor`.
+  Stages(const Source& source, const DenoiseParams& params, FilterRuns& runs, const Survey* prior, Surveyor& surveyor,
          const exec::RowPipelineGeometry& geometry, int ring_rows, int slots, DenoiseResult& result);
 
   /// In the order in which they run. The stages refer to this object.
@@ -62,6 +63,7 @@ class Stages {
   DenoiseResult& result_;
   int ring_rows_;
   int entries_;
+  Surveyor* surveyor_;  // null where the image was surveyed before
   bool weighs_evidence_;
   int baseline_;              // the entry that others are compared with
   std::vector<float> prior_;  // per entry: mean relative risk of the image minus that of the baseline

@@ -12,27 +12,14 @@ namespace stein {
 namespace {
 
 constexpr int kBlock = 16;    // pixels of a row whose sums are kept: tiles are made of whole blocks
-constexpr int kPeriod = 16;   // of every 32 rows ...
-constexpr int kFirstRow = 6;  // ... four are looked at
+constexpr int kPeriod = 16;   // of every 16 rows ...
+constexpr int kFirstRow = 6;  // ... two are looked at
 constexpr int kRows = 2;
 constexpr int kSmall = 256;  // images of fewer rows are looked at as a whole
 
 bool is_surveyed(int y, int height) {
   const int phase = y % kPeriod;
   return height < kSmall || (phase >= kFirstRow && phase < kFirstRow + kRows);
-}
-
-std::vector<Rect> surveyed_parts(const Rect& tile, int height) {
-  std::vector<Rect> parts;
-  for (int y = tile.y0; y < tile.y1; ++y) {
-    if (!is_surveyed(y, height)) continue;
-    if (!parts.empty() && parts.back().y1 == y) {
-      ++parts.back().y1;
-    } else {
-      parts.push_back({tile.x0, y, tile.x1, y + 1});
-    }
-  }
-  return parts;
 }
 
 // Sums over the pixels of a block.
@@ -56,103 +43,123 @@ struct BlockSums {
   }
 };
 
-class Surveyor {
- public:
-  Surveyor(const Source& source, const FilterRuns& runs, const exec::RowPipelineGeometry& geometry, int slots)
-      : source_(source),
-        runs_(runs),
-        pitch_(geometry.tile_width),
-        blocks_((geometry.width + kBlock - 1) / kBlock),
-        sums_(static_cast<std::size_t>(blocks_) * static_cast<std::size_t>(geometry.height)),
-        lines_(static_cast<std::size_t>(slots),
-               std::vector<float>(static_cast<std::size_t>((kLines + kMaxEntries) * pitch_))) {}
+constexpr int kLines = 6;
 
-  void add(const Rect& part, int slot) {
-    for (int y = part.y0; y < part.y1; ++y) add_row(part, y, lines_[static_cast<std::size_t>(slot)].data());
-  }
+}  // namespace
 
-  [[nodiscard]] Survey result(int height) const;
-
- private:
-  static constexpr int kLines = 6;
+struct Surveyor::State {
+  State(const Source& from, const FilterRuns& filter_runs, const exec::RowPipelineGeometry& geometry, int slots)
+      : source(from),
+        runs(filter_runs),
+        height(geometry.height),
+        pitch(geometry.tile_width),
+        blocks((geometry.width + kBlock - 1) / kBlock),
+        sums(static_cast<std::size_t>(blocks) * static_cast<std::size_t>(geometry.height)),
+        lines(static_cast<std::size_t>(slots),
+              std::vector<float>(static_cast<std::size_t>((kLines + kMaxEntries) * pitch))) {}
 
   [[nodiscard]] BlockSums& sums_at(int x, int y) {
-    return sums_[static_cast<std::size_t>(y) * static_cast<std::size_t>(blocks_) +
-                 static_cast<std::size_t>(x / kBlock)];
+    return sums[static_cast<std::size_t>(y) * static_cast<std::size_t>(blocks) + static_cast<std::size_t>(x / kBlock)];
   }
-  void add_row(const Rect& part, int y, float* lines);
-  void add_noise(const Rect& part, int y, float* lines);
-  [[nodiscard]] std::vector<BlockSums> areas(int height) const;
+  void add_row(const Rect& part, int y, float* row_lines);
+  void add_noise(const Rect& part, int y, float* row_lines);
+  [[nodiscard]] std::vector<BlockSums> areas() const;
 
-  const Source& source_;
-  const FilterRuns& runs_;
-  std::ptrdiff_t pitch_;
-  int blocks_;
-  std::vector<BlockSums> sums_;            // [row][block]
-  std::vector<std::vector<float>> lines_;  // per slot
+  const Source& source;
+  const FilterRuns& runs;
+  int height;
+  std::ptrdiff_t pitch;
+  int blocks;
+  std::vector<BlockSums> sums;            // [row][block]
+  std::vector<std::vector<float>> lines;  // per slot
 };
 
-void Surveyor::add_row(const Rect& part, int y, float* lines) {
-  const int entries = runs_.entries();
-  float* risks[kMaxEntries];
-  for (int e = 0; e < entries; ++e) risks[e] = lines + (kLines + e) * pitch_;
-  relative_risk_rows(source_, runs_.candidates(), entries, part, y, lines, pitch_, risks);
-  float* mask = lines;
-  source_.mask_row(y, part.x0, part.width(), mask);
-  for (int i = 0; i < part.width(); ++i) {
-    if (mask[i] == 0.0F) continue;
-    BlockSums& sums = sums_at(part.x0 + i, y);
-    sums.pixels += 1.0;
-    for (int e = 0; e < entries; ++e) {
-      const auto entry = static_cast<std::size_t>(e);
-      sums.clipped[entry] += std::clamp(risks[e][i], -kRiskLimit, kRiskLimit);
-      sums.risk[entry] += risks[e][i];
+Surveyor::Surveyor(const Source& source, const FilterRuns& runs, const exec::RowPipelineGeometry& geometry, int slots)
+    : state_(std::make_unique<State>(source, runs, geometry, slots)) {}
+
+Surveyor::~Surveyor() = default;
+
+std::vector<Rect> Surveyor::parts(const Rect& tile) const {
+  std::vector<Rect> parts;
+  for (int y = tile.y0; y < tile.y1; ++y) {
+    if (!is_surveyed(y, state_->height)) continue;
+    if (!parts.empty() && parts.back().y1 == y) {
+      ++parts.back().y1;
+    } else {
+      parts.push_back({tile.x0, y, tile.x1, y + 1});
     }
   }
-  add_noise(part, y, lines);
+  return parts;
+}
+
+void Surveyor::add(const Rect& part, int slot) {
+  for (int y = part.y0; y < part.y1; ++y)
+    state_->add_row(part, y, state_->lines[static_cast<std::size_t>(slot)].data());
+}
+
+void Surveyor::State::add_row(const Rect& part, int y, float* row_lines) {
+  const int entries = runs.entries();
+  float* risks[kMaxEntries];
+  for (int e = 0; e < entries; ++e) risks[e] = row_lines + (kLines + e) * pitch;
+  relative_risk_rows(source, runs.candidates(), entries, part, y, row_lines, pitch, risks);
+  float* mask = row_lines;
+  source.mask_row(y, part.x0, part.width(), mask);
+  for (int i = 0; i < part.width(); ++i) {
+    if (mask[i] == 0.0F) continue;
+    BlockSums& block = sums_at(part.x0 + i, y);
+    block.pixels += 1.0;
+    for (int e = 0; e < entries; ++e) {
+      const auto entry = static_cast<std::size_t>(e);
+      block.clipped[entry] += std::clamp(risks[e][i], -kRiskLimit, kRiskLimit);
+      block.risk[entry] += risks[e][i];
+    }
+  }
+  add_noise(part, y, row_lines);
 }
 
 // Relative variance and squared residual of each pixel, and the product of its residual with that of its right
 // neighbour in the block.
-void Surveyor::add_noise(const Rect& part, int y, float* lines) {
+void Surveyor::State::add_noise(const Rect& part, int y, float* row_lines) {
   const int n = part.width();
-  float* mask = lines;
-  float* mean = lines + pitch_;
-  float* variance = lines + 2 * pitch_;
-  source_.mask_row(y, part.x0, n, mask);
+  float* mask = row_lines;
+  float* mean = row_lines + pitch;
+  float* variance = row_lines + 2 * pitch;
+  source.mask_row(y, part.x0, n, mask);
   for (int c = 0; c < 3; ++c) {
-    source_.input_row(static_cast<std::size_t>(c), y, part.x0, n, mean, variance);
-    const float* F = runs_.candidates().result(common_candidate(runs_.entries()), c, y) + part.x0;
+    source.input_row(static_cast<std::size_t>(c), y, part.x0, n, mean, variance);
+    const float* F = runs.candidates().result(common_candidate(runs.entries()), c, y) + part.x0;
     const auto weight = [F](int i) { return 1.0 / (3.0 * (static_cast<double>(F[i]) * F[i] + kRelativeEpsilon)); };
     for (int i = 0; i < n; ++i) {
       if (mask[i] == 0.0F) continue;
-      BlockSums& sums = sums_at(part.x0 + i, y);
-      sums.noise += variance[i] * weight(i);
-      sums.residual += std::pow(static_cast<double>(mean[i]) - F[i], 2) * weight(i);
+      BlockSums& block = sums_at(part.x0 + i, y);
+      block.noise += variance[i] * weight(i);
+      block.residual += std::pow(static_cast<double>(mean[i]) - F[i], 2) * weight(i);
       const bool has_neighbour = i + 1 < n && (part.x0 + i + 1) % kBlock != 0 && mask[i + 1] != 0.0F;
       if (!has_neighbour) continue;
       const double product = (static_cast<double>(mean[i]) - F[i]) * (static_cast<double>(mean[i + 1]) - F[i + 1]);
-      sums.product += product * std::sqrt(weight(i) * weight(i + 1)) * kBlock / (kBlock - 1.0);
+      block.product += product * std::sqrt(weight(i) * weight(i + 1)) * kBlock / (kBlock - 1.0);
     }
   }
 }
 
 // Sums over areas of four blocks by four rows: the units of standard errors, wide enough for neighbours that err
 // together.
-std::vector<BlockSums> Surveyor::areas(int height) const {
+std::vector<BlockSums> Surveyor::State::areas() const {
   constexpr int kBlocksOfArea = 4;
-  const int columns = (blocks_ + kBlocksOfArea - 1) / kBlocksOfArea;
+  const int columns = (blocks + kBlocksOfArea - 1) / kBlocksOfArea;
   const auto row_of_areas = [](int y) { return (y + kPeriod - kFirstRow) / kRows; };  // rows looked at stay together
   std::vector<BlockSums> areas(static_cast<std::size_t>(columns * (row_of_areas(height - 1) + 1)));
   for (int y = 0; y < height; ++y) {
-    for (int b = 0; b < blocks_; ++b) {
+    for (int b = 0; b < blocks; ++b) {
       const auto area = static_cast<std::size_t>(row_of_areas(y) * columns + b / kBlocksOfArea);
       areas[area].add(
-          sums_[static_cast<std::size_t>(y) * static_cast<std::size_t>(blocks_) + static_cast<std::size_t>(b)]);
+          sums[static_cast<std::size_t>(y) * static_cast<std::size_t>(blocks) + static_cast<std::size_t>(b)]);
     }
   }
   return areas;
 }
+
+namespace {
 
 // Ratio of the sums of `quantity` and of the pixels, over all areas, with the standard error of a ratio.
 template <class Quantity>
@@ -170,10 +177,14 @@ Estimate mean_of(const std::vector<BlockSums>& areas, Quantity quantity) {
   return estimate;
 }
 
-Survey Surveyor::result(int height) const {
-  const std::vector<BlockSums> all = areas(height);
+std::string percent(double fraction) { return std::to_string(static_cast<int>(std::lround(100.0 * fraction))) + " %"; }
+
+}  // namespace
+
+Survey Surveyor::result() const {
+  const std::vector<BlockSums> all = state_->areas();
   Survey survey;
-  for (std::size_t e = 0; e < static_cast<std::size_t>(runs_.entries()); ++e) {
+  for (std::size_t e = 0; e < static_cast<std::size_t>(state_->runs.entries()); ++e) {
     survey.risk.push_back(mean_of(all, [e](const BlockSums& area) { return area.risk[e]; }));
     const Estimate clipped = mean_of(all, [e](const BlockSums& area) { return area.clipped[e]; });
     survey.mean_risk.push_back(static_cast<float>(clipped.value));
@@ -186,18 +197,13 @@ Survey Surveyor::result(int height) const {
   return survey;
 }
 
-std::string percent(double fraction) { return std::to_string(static_cast<int>(std::lround(100.0 * fraction))) + " %"; }
-
-}  // namespace
-
-Survey survey(const Source& source, FilterRuns& runs, const exec::RowPipelineGeometry& geometry, exec::Runner& runner,
+Survey survey(Surveyor& surveyor, FilterRuns& runs, const exec::RowPipelineGeometry& geometry, exec::Runner& runner,
               double progress_weight) {
-  Surveyor surveyor(source, runs, geometry, runner.slots());
   std::vector<exec::RowStage> stages;
-  runs.add_stages([height = geometry.height](const Rect& tile) { return surveyed_parts(tile, height); },
+  runs.add_stages([&surveyor](const Rect& tile) { return surveyor.parts(tile); },
                   [&surveyor](const Rect& part, int slot) { surveyor.add(part, slot); }, stages);
   exec::run_row_pipeline(geometry, stages, runner, progress_weight);
-  return surveyor.result(geometry.height);
+  return surveyor.result();
 }
 
 // The true error cannot be negative, and the product of two neighbours' residuals cannot exceed it while their noise is

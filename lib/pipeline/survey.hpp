@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A first look at a part of the image: what its mean risks say of the entries, and of the variances that were given.
+// A look at a part of the image: what its mean risks say of the entries, and of the variances that were given.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -28,8 +29,27 @@ struct Survey {
   Estimate correlation;        ///< mean product of the residuals of horizontal neighbours
 };
 
-/// Runs the filter on an eighth of the rows (all of them in images of fewer than 256) and takes means there.
-[[nodiscard]] Survey survey(const Source& source, FilterRuns& runs, const exec::RowPipelineGeometry& geometry,
+/// Sums over the pixels of the surveyed rows: two of every 16, all of them in images of fewer than 256.
+class Surveyor {
+ public:
+  Surveyor(const Source& source, const FilterRuns& runs, const exec::RowPipelineGeometry& geometry, int slots);
+  ~Surveyor();
+  Surveyor(const Surveyor&) = delete;
+  Surveyor& operator=(const Surveyor&) = delete;
+
+  /// The parts of a tile that are surveyed.
+  [[nodiscard]] std::vector<Rect> parts(const Rect& tile) const;
+  /// Takes in one of them, whose candidates are there.
+  void add(const Rect& part, int slot);
+  [[nodiscard]] Survey result() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Runs the filter on the surveyed rows only.
+[[nodiscard]] Survey survey(Surveyor& surveyor, FilterRuns& runs, const exec::RowPipelineGeometry& geometry,
                             exec::Runner& runner, double progress_weight);
 
 /// What the survey says against the variances that were given, in words. `joint`: the risk accounts for covariances of
