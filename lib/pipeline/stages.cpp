@@ -18,7 +18,7 @@ namespace {
 // would take 800. Feature sigmas are doubled: each pass weighs edges anew, and three narrow passes would smooth too
 // little.
 const std::vector<int> kRiskSteps = {1, 2, 4};
-const std::vector<int> kWeightSteps = {2};
+const std::vector<int> kWeightSteps = {1, 2};
 const std::vector<int> kErrorSteps = {1, 2, 4};
 constexpr float kSmoothingSigmaScale = 2.0F;
 constexpr int kBlock = 16;  // pixels of a row that are summed together: tiles are made of whole blocks
