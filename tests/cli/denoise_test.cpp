@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -91,6 +92,50 @@ TEST_CASE("denoise: parameters reach the filter") {
   CHECK(changes({"--strength", "0.5"}));
   CHECK_FALSE(changes({"--filter", "cross-bilateral", "--bank", "final", "--selection", "evidence"}));
   CHECK_FALSE(changes({"--threads", "2", "--tile", "16x8"}));
+}
+
+TEST_CASE("denoise: every filter runs with every risk that it has, and the report says which one it was") {
+  const TemporaryFolder folder;
+  write(folder / "noisy.exr", noisy_image(kWidth, kHeight));
+  struct Case {
+    std::vector<std::string> options;
+    std::string risk;
+  };
+  const std::vector<Case> cases = {
+      {{"--filter", "cross-bilateral"}, "SURE"},
+      {{"--filter", "cross-bilateral", "--risk", "monte-carlo", "--draws", "1", "--seed", "5"}, "Monte Carlo SURE"},
+      {{"--filter", "cross-nlm", "--risk", "sure"}, "SURE"},
+      {{"--filter", "gaussian", "--risk", "joint"}, "SURE"},  // nothing that guides it is noisy
+      {{"--filter", "atrous"}, "Monte Carlo SURE"},
+      {{"--filter", "atrous-sure", "--risk", "monte-carlo"}, "Monte Carlo SURE"},
+  };
+  for (const Case& k : cases) {
+    std::vector<std::string> options = k.options;
+    options.insert(options.end(), {"--json", folder / "report.json"});
+    denoise(folder, options);
+    std::ifstream file(folder / "report.json");
+    const nlohmann::json report = nlohmann::json::parse(file);
+    CHECK(report.at("filter") == k.options[1]);
+    CHECK(report.at("risk") == k.risk);
+    CHECK_FALSE(report.at("risk_reason").get<std::string>().empty());
+    for (const char* name : {"error.R", "choice.V", "density.V"}) CHECK(has_channel(folder / "clean.exr", name));
+  }
+}
+
+TEST_CASE("denoise: a risk that filter or file do not allow is an error that says so") {
+  const TemporaryFolder folder;
+  write(folder / "noisy.exr", noisy_image(kWidth, kHeight));
+  const auto refusal = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> arguments = {"denoise", folder / "noisy.exr", "-o", folder / "clean.exr"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const Outcome outcome = run_stein(arguments);
+    CHECK(outcome.exit_code != 0);
+    CHECK_FALSE(std::filesystem::exists(folder / "clean.exr"));
+    return outcome.err;
+  };
+  CHECK(refusal({"--risk", "joint"}).find("covariances of the colour with") != std::string::npos);
+  CHECK(refusal({"--filter", "atrous", "--risk", "sure"}).find("no risk in closed form") != std::string::npos);
+  CHECK(refusal({"--risk", "monte-carlo", "--draws", "0"}).find("draws") != std::string::npos);
 }
 
 TEST_CASE("denoise: a budget becomes samples per pixel") {
