@@ -73,7 +73,7 @@ constexpr const char* kOverstated = "variance given is more than the noise is";
 }  // namespace
 
 TEST_CASE("survey: noise as it is said to be raises no doubt") {
-  for (const std::uint64_t seed : {1, 2, 3}) {
+  for (const std::uint64_t seed : {1ULL, 2ULL, 3ULL}) {
     const WhiteNoise white(seed);
     OwnedFrame frame(kSide, kSide, kUsualFeatures);
     fill(frame, [&](int x, int y, std::size_t c) { return white.at(x, y, c); });
