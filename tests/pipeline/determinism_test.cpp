@@ -43,6 +43,7 @@ TEST_CASE("denoise: 1, 2 and 5 threads and three tile sizes give identical bits"
   std::vector<DenoiseParams> all = {argmin, monte_carlo};
   for (const std::string_view name : filter_names()) all.emplace_back().filter = make_filter(name);
   for (DenoiseParams& params : all) {
+    if (auto* nlm = std::get_if<CrossNlmParams>(&params.filter)) nlm->window_radius = 4;  // time
     const DenoiseResult reference = denoise(frame.frame(), params);
     for (const auto& [threads, width, height] : {std::tuple(1, 16, 7), std::tuple(2, 64, 64), std::tuple(5, 16, 7),
                                                  std::tuple(5, 64, 64), std::tuple(2, 512, 40)}) {
