@@ -45,8 +45,9 @@ TEST_CASE("denoise: 1, 2 and 5 threads and three tile sizes give identical bits"
   for (DenoiseParams& params : all) {
     if (auto* nlm = std::get_if<CrossNlmParams>(&params.filter)) nlm->window_radius = 4;  // time
     const DenoiseResult reference = denoise(frame.frame(), params);
-    for (const auto& [threads, width, height] : {std::tuple(1, 16, 7), std::tuple(2, 64, 64), std::tuple(5, 16, 7),
-                                                 std::tuple(5, 64, 64), std::tuple(2, 512, 40)}) {
+    std::vector<std::tuple<int, int, int>> runs = {{5, 16, 7}, {2, 512, 40}};
+    if (params.filter.index() == 0) runs.insert(runs.end(), {{1, 16, 7}, {2, 64, 64}, {5, 64, 64}});
+    for (const auto& [threads, width, height] : runs) {
       params.execution.threads = threads;
       params.execution.tile_width = width;
       params.execution.tile_height = height;
