@@ -15,7 +15,7 @@
 namespace stein::exr {
 namespace {
 
-using NamedPlanes = std::vector<std::pair<std::string, ConstPlaneView>>;
+using PlaneRows = std::vector<std::pair<std::string, ConstPlaneView>>;
 
 [[noreturn]] void fail(const std::string& path, const std::string& why) {
   throw Error(ErrorCode::kInvalidArgument, "cannot write '" + path + "': " + why);
@@ -39,7 +39,7 @@ struct PlanesWriter::Data {
 
   [[nodiscard]] int rows_left() const { return height_of(header) - rows_written; }
 
-  void check(const NamedPlanes& planes) const {
+  void check(const PlaneRows& planes) const {
     if (planes.size() != channels.size()) {
       fail(path,
            std::to_string(planes.size()) + " planes are given for " + std::to_string(channels.size()) + " channels");
@@ -58,7 +58,7 @@ struct PlanesWriter::Data {
     }
   }
 
-  void write(const NamedPlanes& planes) {
+  void write(const PlaneRows& planes) {
     const int rows = planes.front().second.height();
     const int width = width_of(header);
     const int first_y = header.dataWindow().min.y + rows_written;
@@ -95,13 +95,14 @@ PlanesWriter::PlanesWriter(PlanesWriter&&) noexcept = default;
 PlanesWriter& PlanesWriter::operator=(PlanesWriter&&) noexcept = default;
 PlanesWriter::~PlanesWriter() = default;
 
-void PlanesWriter::write_rows(const NamedPlanes& planes) {
+void PlanesWriter::write_rows(const PlaneRows& planes) {
   data_->check(planes);
   with_io_errors("write '" + data_->path + "'", [&] { data_->write(planes); });
 }
 
 void PlanesWriter::finish() {
   Data& data = *data_;
+  if (!data.output) fail(data.path, "it is finished already");
   if (data.rows_left() > 0) fail(data.path, "its last " + std::to_string(data.rows_left()) + " rows were not written");
   with_io_errors("write '" + data.path + "'", [&] {
     data.part.reset();

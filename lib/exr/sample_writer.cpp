@@ -137,6 +137,7 @@ void SampleWriter::write_row(const std::uint32_t* counts, const float* samples) 
 
 void SampleWriter::finish() {
   Data& data = *data_;
+  if (!data.output) fail(data.path, "it is finished already");
   const int height = height_of(data.header);
   if (data.rows_written != height) {
     fail(data.path,
