@@ -8,7 +8,7 @@ set(stein_header_filter)
 if(STEIN_EXR)
   list(APPEND stein_installed_targets stein_exr)
 else()
-  set(stein_header_filter PATTERN exr.hpp EXCLUDE)
+  set(stein_header_filter PATTERN "exr*.hpp" EXCLUDE)
 endif()
 
 install(TARGETS ${stein_installed_targets} EXPORT steinTargets

@@ -39,6 +39,9 @@ struct Frame {
   std::array<ConstPlaneView, 3> colour_covariance;
   ConstPlaneView sample_count;     ///< n per pixel, 0 = no data; absent: `uniform_sample_count` holds for every pixel
   float uniform_sample_count = 0;  ///< used where `sample_count` is absent; must then be >= 1
+  /// Of the variances and covariances, where they do not come from single samples: K - 1 for the spread of K renders.
+  /// 0: n - 1 in each pixel.
+  float degrees_of_freedom = 0;
   std::vector<Feature> features;
   ConstPlaneView alpha;                   ///< optional; carried, not filtered
   std::vector<ColourLayer> extra_layers;  ///< carried, not filtered

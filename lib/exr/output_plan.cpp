@@ -6,6 +6,7 @@
 #include <ImfPartType.h>
 
 #include <algorithm>
+#include <string_view>
 
 namespace stein::exr {
 namespace {
@@ -46,21 +47,26 @@ bool is_new(const OutputRules& rules, const std::string& name) {
                      [&](const auto& channel) { return channel.first == name; });
 }
 
-/// The source's attributes, with the storage of scanlines from the top. Not a copy without some: erasing an attribute
-/// leaks in OpenEXR 3.1.
+bool speaks_of_storage(std::string_view attribute, bool is_deep) {
+  if (attribute == "channels" || attribute == "chunkCount" || attribute == "tiles") return true;
+  // Elsewhere these names are free.
+  return is_deep && (attribute == "version" || attribute == "maxSamplesPerPixel" || attribute == "deepImageState");
+}
+
+}  // namespace
+
 Imf::Header scanline_header(const Imf::Header& source) {
+  const bool is_deep = source.hasType() && Imf::isDeepData(source.type());
   Imf::Header header;
   for (auto it = source.begin(); it != source.end(); ++it) {
     const std::string name = it.name();
-    if (name != "tiles" && name != "chunkCount" && name != "channels") header.insert(name, it.attribute());
+    if (!speaks_of_storage(name, is_deep)) header.insert(name, it.attribute());
   }
   header.setType(Imf::SCANLINEIMAGE);
   header.lineOrder() = Imf::INCREASING_Y;
   if (is_lossy(header.compression())) header.compression() = Imf::ZIP_COMPRESSION;
   return header;
 }
-
-}  // namespace
 
 std::vector<PartPlan> plan_output(const SourceFile& source, const Layout& layout, const OutputRules& rules) {
   std::vector<PartPlan> plan;

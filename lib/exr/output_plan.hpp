@@ -13,6 +13,10 @@
 
 namespace stein::exr {
 
+/// The source's attributes, with the storage of flat scanlines from the top and no channels; ZIP where the source's
+/// compression is lossy. Not a copy without some: erasing an attribute leaks in OpenEXR 3.1.
+[[nodiscard]] Imf::Header scanline_header(const Imf::Header& source);
+
 struct PartPlan {
   int source_part = 0;
   bool copied = false;               ///< chunks are copied as they are; otherwise rows are written anew

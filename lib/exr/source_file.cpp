@@ -25,24 +25,6 @@ constexpr std::int64_t kAlwaysAllowedChunkBytes = std::int64_t{64} << 20;
   throw Error(ErrorCode::kIo, "cannot read '" + path + "': " + why);
 }
 
-/// An upper bound of what the codec can squeeze a constant image by.
-std::int64_t largest_ratio(Imf::Compression compression) {
-  switch (compression) {
-    case Imf::NO_COMPRESSION:
-      return 1;
-    case Imf::RLE_COMPRESSION:
-      return 64;
-    case Imf::B44_COMPRESSION:
-    case Imf::B44A_COMPRESSION:
-      return 16;
-    case Imf::DWAA_COMPRESSION:
-    case Imf::DWAB_COMPRESSION:
-      return 250'000;  // 8x8 blocks, then deflate
-    default:
-      return 1400;  // deflate 1032, times 4/3 for PXR24; PIZ is below
-  }
-}
-
 int chunk_lines(Imf::Compression compression) {
   switch (compression) {
     case Imf::NO_COMPRESSION:
@@ -150,6 +132,23 @@ void SourceFile::require_complete(int part) const {
   fail(path_, std::string(is_tiled(part) ? "tiles" : "scanlines") + " are missing" +
                   (parts() > 1 ? " in part '" + part_name(part) + "'" : "") +
                   ": the file was not written to its end; render or copy it again");
+}
+
+std::int64_t largest_ratio(Imf::Compression compression) {
+  switch (compression) {
+    case Imf::NO_COMPRESSION:
+      return 1;
+    case Imf::RLE_COMPRESSION:
+      return 64;
+    case Imf::B44_COMPRESSION:
+    case Imf::B44A_COMPRESSION:
+      return 16;
+    case Imf::DWAA_COMPRESSION:
+    case Imf::DWAB_COMPRESSION:
+      return 250'000;  // 8x8 blocks, then deflate
+    default:
+      return 1400;  // deflate 1032, times 4/3 for PXR24; PIZ is below
+  }
 }
 
 int width_of(const Imf::Header& header) { return header.dataWindow().max.x - header.dataWindow().min.x + 1; }

@@ -3,6 +3,7 @@
 // An OpenEXR file opened for reading and checked: nothing that its header promises is larger than the file can hold.
 #pragma once
 
+#include <ImfCompression.h>
 #include <ImfHeader.h>
 #include <ImfMultiPartInputFile.h>
 #include <ImfPixelType.h>
@@ -60,6 +61,9 @@ class SourceFile {
 [[nodiscard]] int width_of(const Imf::Header& header);
 [[nodiscard]] int height_of(const Imf::Header& header);
 [[nodiscard]] std::array<int, 4> window_of(const Imf::Header& header);
+
+/// An upper bound of what the codec can squeeze a constant image by.
+[[nodiscard]] std::int64_t largest_ratio(Imf::Compression compression);
 
 [[nodiscard]] ScalarType scalar_type(Imf::PixelType type);
 [[nodiscard]] Imf::PixelType pixel_type(ScalarType type);
