@@ -9,24 +9,28 @@ namespace {
 
 constexpr std::array<const char*, 3> kColourNames = {"R", "G", "B"};
 
-void add_feature(const Feature& feature, std::vector<NamedView>& planes) {
+void add_feature(const Feature& feature, const Components& components, std::vector<NamedView>& planes) {
+  const auto named = components.find(feature.name);
+  const auto name = [&](std::size_t channel, bool is_variance) {
+    if (named == components.end()) return plane_name(feature, channel, is_variance);
+    return feature.name + (is_variance ? ".variance." : ".") + named->second.at(channel);
+  };
   const std::size_t channels = feature.mean.size();
   for (std::size_t k = 0; k < channels; ++k) {
-    planes.emplace_back(plane_name(feature, k, false), feature.mean[k]);
+    planes.emplace_back(name(k, false), feature.mean[k]);
   }
   for (std::size_t k = 0; k < feature.variance.size(); ++k) {
-    planes.emplace_back(plane_name(feature, k, true), feature.variance[k]);
+    planes.emplace_back(name(k, true), feature.variance[k]);
   }
   for (std::size_t i = 0; i < feature.colour_covariance.size(); ++i) {
     const std::string colour = kColourNames[i / channels];
-    planes.emplace_back("covariance." + colour + "." + plane_name(feature, i % channels, false),
-                        feature.colour_covariance[i]);
+    planes.emplace_back("covariance." + colour + "." + name(i % channels, false), feature.colour_covariance[i]);
   }
 }
 
 }  // namespace
 
-std::vector<NamedView> all_planes(const Frame& frame) {
+std::vector<NamedView> all_planes(const Frame& frame, const Components& components) {
   constexpr std::array<const char*, 3> kPairs = {"covariance.R.G", "covariance.R.B", "covariance.G.B"};
   std::vector<NamedView> planes;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -40,7 +44,7 @@ std::vector<NamedView> all_planes(const Frame& frame) {
   }
   planes.emplace_back("sampleCount", frame.sample_count);
   for (const Feature& feature : frame.features) {
-    add_feature(feature, planes);
+    add_feature(feature, components, planes);
   }
   planes.emplace_back("A", frame.alpha);
   for (const ColourLayer& layer : frame.extra_layers) {

@@ -25,6 +25,7 @@ struct Verb {
 
 constexpr Verb kVerbs[] = {
     {"denoise", "Denoise an image and write it with its estimated error", stein::cli::add_denoise},
+    {"accumulate", "Turn a file of raw samples into one that can be denoised", stein::cli::add_accumulate},
     {"info", "Show what is understood of a file, and what it lacks", stein::cli::add_info},
     {"compare", "Measure an image against a reference", stein::cli::add_compare},
     {"preview", "Turn a layer of a file into a PNG picture", stein::cli::add_preview},
@@ -33,6 +34,7 @@ constexpr Verb kVerbs[] = {
 constexpr const char* kFooter =
     "Examples:\n"
     "  stein denoise noisy.exr -o clean.exr\n"
+    "  stein accumulate samples.exr -o noisy.exr\n"
     "  stein info noisy.exr\n"
     "  stein compare clean.exr reference.exr\n"
     "  stein preview clean.exr -o error.png --layer error\n"

@@ -14,6 +14,7 @@ namespace stein::cli {
 using Action = std::function<void()>;
 
 [[nodiscard]] Action add_denoise(CLI::App& verb);
+[[nodiscard]] Action add_accumulate(CLI::App& verb);
 [[nodiscard]] Action add_info(CLI::App& verb);
 [[nodiscard]] Action add_compare(CLI::App& verb);
 [[nodiscard]] Action add_preview(CLI::App& verb);
