@@ -3,16 +3,12 @@
 // Arguments that are more than a number or a word. All throw Error kInvalidArgument naming the option.
 #pragma once
 
-#include <array>
 #include <string>
 #include <utility>
 
 #include "stein/filters.hpp"
 
 namespace stein::cli {
-
-/// "64x32"
-[[nodiscard]] std::array<int, 2> parse_tile(const std::string& text);
 
 /// "lo,hi" with lo < hi
 [[nodiscard]] std::pair<double, double> parse_range(const std::string& text);

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "arguments.hpp"
+#include "parsing.hpp"
 
 namespace stein::cli {
 namespace {
@@ -94,7 +95,7 @@ DenoiseParams denoise_params(const DenoiseOptions& options) {
   params.outliers.enabled = options.outliers;
   params.execution.threads = options.threads;
   if (!options.tile.empty()) {
-    const std::array<int, 2> tile = parse_tile(options.tile);
+    const std::array<int, 2> tile = parse_size("--tile", options.tile);
     params.execution.tile_width = tile[0];
     params.execution.tile_height = tile[1];
   }

@@ -1,16 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// stein: denoises renderings from the command line. One file per verb; this one finds the verb and turns errors into
-// messages and exit codes.
+// stein: denoises renderings from the command line. One file per verb; this one finds the verb.
 #include <CLI/CLI.hpp>
-#include <cstdio>
-#include <exception>
-#include <new>
-#include <string>
-#include <vector>
 
-#include "exit_codes.hpp"
-#include "stein/error.hpp"
+#include "run_program.hpp"
 #include "verbs.hpp"
 
 namespace {
@@ -49,12 +42,9 @@ constexpr const char* kFooter =
     "  4  a file cannot be read or written\n"
     "  5  cancelled (Ctrl-C or SIGTERM); no output is left behind";
 
-int fail(int code, const std::string& message) {
-  std::fprintf(stderr, "stein: %s\n", message.c_str());
-  return code;
-}
+}  // namespace
 
-int run(int argc, char** argv) {
+int main(int argc, char** argv) {
   CLI::App app("Denoises Monte Carlo renderings and says how large the remaining error is.", "stein");
   app.set_version_flag("--version", "stein " STEIN_VERSION, "Print the version and exit");
   app.footer(kFooter);
@@ -65,28 +55,5 @@ int run(int argc, char** argv) {
     CLI::App* parser = app.add_subcommand(verb.name, verb.summary);
     parser->callback([&action, chosen = verb.add(*parser)] { action = chosen; });
   }
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& request) {  // --help, --version
-    return app.exit(request);
-  } catch (const CLI::ParseError& error) {
-    return fail(stein::cli::kUsage, std::string(error.what()) + " (see 'stein --help')");
-  }
-  action();
-  return stein::cli::kSuccess;
-}
-
-}  // namespace
-
-int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const stein::Error& error) {
-    const bool cancelled = error.code() == stein::ErrorCode::kCancelled;
-    return fail(stein::cli::exit_code(error.code()), cancelled ? "cancelled" : error.what());
-  } catch (const std::bad_alloc&) {
-    return fail(stein::cli::kOtherFailure, "out of memory");
-  } catch (const std::exception& error) {
-    return fail(stein::cli::kOtherFailure, error.what());
-  }
+  return stein::cli::run_program(app, argc, argv, [&action] { action(); });
 }

@@ -62,8 +62,8 @@ struct Bvh::Builder {
       if (!(centres.low[axis] < centres.high[axis])) continue;
       std::array<Bin, kBins> bins;
       for (const std::uint32_t item : items) {
-        Bin& bin = bins[static_cast<std::size_t>(
-            bin_of(boxes[item].centre()[axis], centres.low[axis], centres.high[axis]))];
+        Bin& bin =
+            bins[static_cast<std::size_t>(bin_of(boxes[item].centre()[axis], centres.low[axis], centres.high[axis]))];
         bin.box.add(boxes[item]);
         ++bin.count;
       }

@@ -28,9 +28,7 @@ bool Environment::in_sun(Vec3 direction) const {
   return dot(apart, apart) < 2 * sun_height;
 }
 
-Colour Environment::radiance(Vec3 direction) const {
-  return in_sun(direction) ? sky(direction) + sun : sky(direction);
-}
+Colour Environment::radiance(Vec3 direction) const { return in_sun(direction) ? sky(direction) + sun : sky(direction); }
 
 // The mean of sqrt(y) over the upper half is 2/3.
 Colour Environment::mean_radiance() const {

@@ -53,7 +53,7 @@ class Geometry {
   [[nodiscard]] bool intersect_shape(std::uint32_t shape, const Ray& ray, ShapeHit& hit) const;
 
   std::vector<Triangle> triangles_;
-  std::vector<Shading> shading_;                     // of the triangles
+  std::vector<Shading> shading_;  // of the triangles
   std::vector<std::uint32_t> triangle_material_;
   std::vector<Sphere> spheres_;
   std::vector<std::uint32_t> sphere_material_;

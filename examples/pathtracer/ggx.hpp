@@ -18,9 +18,7 @@ inline float distribution(Vec3 half, float alpha) {
   return a2 / (kPi * d * d);
 }
 
-inline float slope_root(Vec3 v, float alpha) {
-  return std::sqrt(alpha * alpha * (v.x * v.x + v.y * v.y) + v.z * v.z);
-}
+inline float slope_root(Vec3 v, float alpha) { return std::sqrt(alpha * alpha * (v.x * v.x + v.y * v.y) + v.z * v.z); }
 
 /// The part of the microfacets facing `v` that are not hidden from it.
 inline float masking(Vec3 v, float alpha) { return 2 * v.z / (v.z + slope_root(v, alpha)); }

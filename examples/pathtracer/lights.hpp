@@ -36,7 +36,9 @@ class Lights {
   [[nodiscard]] std::size_t choose(float& u) const;
   [[nodiscard]] LightSample sample_triangle(const Triangle& t, Vec3 from, float time, Vec2 u) const;
   [[nodiscard]] LightSample sample_sphere(const Sphere& s, Vec3 from, float time, Vec2 u) const;
-  [[nodiscard]] float probability(std::size_t light) const { return upper_[light] - (light > 0 ? upper_[light - 1] : 0); }
+  [[nodiscard]] float probability(std::size_t light) const {
+    return upper_[light] - (light > 0 ? upper_[light - 1] : 0);
+  }
 
   const Geometry* geometry_ = nullptr;
   const Environment* environment_ = nullptr;

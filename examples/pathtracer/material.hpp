@@ -73,7 +73,7 @@ class Bsdf {
   Vec3 normal_;            // on the viewer's side
   bool from_front_;
   Basis basis_;
-  Vec3 viewer_;              // local
+  Vec3 viewer_;                 // local
   float coat_probability_ = 0;  // of sampling the coat rather than the base
 };
 

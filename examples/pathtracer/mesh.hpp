@@ -14,8 +14,8 @@ namespace pathtracer {
 
 struct Mesh {
   std::vector<Vec3> positions;
-  std::vector<Vec3> normals;  ///< one per position, for smooth shading; empty: flat
-  std::vector<Vec2> uvs;      ///< one per position
+  std::vector<Vec3> normals;                        ///< one per position, for smooth shading; empty: flat
+  std::vector<Vec2> uvs;                            ///< one per position
   std::vector<std::array<std::uint32_t, 3>> faces;  ///< counter-clockwise seen from the front
 };
 

@@ -29,8 +29,8 @@ struct PathSample {
   Vec3 position;         ///< in world space
   float visibility = 0;  ///< 1 if the point chosen on a light is seen from there, else 0
   CameraSample camera;
-  Vec2 light;            ///< the random numbers that chose the point on a light
-  Vec3 position2;        ///< of the next surface
+  Vec2 light;      ///< the random numbers that chose the point on a light
+  Vec3 position2;  ///< of the next surface
   Vec3 normal2;
 };
 

@@ -23,11 +23,33 @@ std::string size_text(int width, int height) { return std::to_string(width) + "x
 }  // namespace
 
 const std::vector<std::string>& sample_channels() {
-  static const std::vector<std::string> channels = {
-      "R",           "G",           "B",           "albedo.R",        "albedo.G",       "albedo.B",       "normal.X",
-      "normal.Y",    "normal.Z",    "depth.Z",     "position.X",      "position.Y",     "position.Z",     "visibility.V",
-      "random.pixel.X", "random.pixel.Y", "random.lens.X", "random.lens.Y", "random.time.T", "random.light.X",
-      "random.light.Y", "position2.X", "position2.Y", "position2.Z",  "normal2.X",      "normal2.Y",      "normal2.Z"};
+  static const std::vector<std::string> channels = {"R",
+                                                    "G",
+                                                    "B",
+                                                    "albedo.R",
+                                                    "albedo.G",
+                                                    "albedo.B",
+                                                    "normal.X",
+                                                    "normal.Y",
+                                                    "normal.Z",
+                                                    "depth.Z",
+                                                    "position.X",
+                                                    "position.Y",
+                                                    "position.Z",
+                                                    "visibility.V",
+                                                    "random.pixel.X",
+                                                    "random.pixel.Y",
+                                                    "random.lens.X",
+                                                    "random.lens.Y",
+                                                    "random.time.T",
+                                                    "random.light.X",
+                                                    "random.light.Y",
+                                                    "position2.X",
+                                                    "position2.Y",
+                                                    "position2.Z",
+                                                    "normal2.X",
+                                                    "normal2.Y",
+                                                    "normal2.Z"};
   return channels;
 }
 
