@@ -22,7 +22,7 @@ struct Material {
   Colour specular = Colour(0.04F);  ///< glossy: reflectance of the coat seen from the front
   float roughness = 0.3F;           ///< glossy: [0.03, 1], the square root of GGX's alpha
   float refraction = 1.5F;          ///< glass: index
-  Colour emission;                  ///< radiance, on the front side only
+  Colour emission{};                ///< radiance, on the front side only
 
   [[nodiscard]] bool is_emitter() const { return emission != Colour(); }
   [[nodiscard]] bool is_specular() const { return surface == Surface::kMirror || surface == Surface::kGlass; }
