@@ -140,7 +140,7 @@ TEST_CASE("sample counts that the file cannot hold are refused before memory is 
     const std::uint32_t count = get<std::uint32_t>(bytes, last) + GENERATE(-1, 1);
     put(bytes, last, count);
     write_bytes(path, bytes);
-    expect_error(ErrorCode::kIo, {path, "row y = 1", "do not decode"}, [&] { read_all(path); });
+    expect_error(ErrorCode::kIo, {path, "row y = 1", "damaged"}, [&] { read_all(path); });
   }
 }
 
