@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <ImfChannelList.h>
 #include <ImfPartType.h>
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "exr/sample_layers.hpp"
 #include "exr/sample_reader_data.hpp"
@@ -90,6 +92,20 @@ SampleReader::Data::Data(const std::string& path)
   input.emplace(file.input(), part);
 }
 
+void SampleReader::Data::read_chunk(int y) {
+  try {
+    std::uint64_t bytes = 0;
+    input->rawPixelData(y, nullptr, bytes);
+    if (bytes > static_cast<std::uint64_t>(file.size())) {
+      throw std::runtime_error("its chunk claims to be longer than the file: it is truncated or damaged");
+    }
+    chunk.resize(bytes);
+    input->rawPixelData(y, chunk.data(), bytes);
+  } catch (const Error& error) {  // of the stream, which knows of no rows
+    throw Error(error.code(), error.what() + (" (row y = " + std::to_string(y) + ")"));
+  }
+}
+
 SampleReader::SampleReader(const std::string& path)
     : data_(with_io_errors("read '" + path + "'", [&] { return std::make_unique<Data>(path); })) {}
 
@@ -115,13 +131,7 @@ bool SampleReader::read_row(std::vector<std::uint32_t>& counts, std::vector<floa
   if (data.rows_read == height()) return false;
   const int y = data.header().dataWindow().min.y + data.rows_read;
   with_io_errors("read '" + path() + "', row y = " + std::to_string(y), [&] {
-    std::uint64_t bytes = 0;
-    data.input->rawPixelData(y, nullptr, bytes);
-    if (bytes > static_cast<std::uint64_t>(data.file.size())) {
-      throw std::runtime_error("its chunk claims to be longer than the file: it is truncated or damaged");
-    }
-    data.chunk.resize(bytes);
-    data.input->rawPixelData(y, data.chunk.data(), bytes);
+    data.read_chunk(y);
     data.row.decode(data.chunk.data(), data.chunk.size());
     const std::size_t channels = data.selection.size();
     samples.resize(data.row.samples() * channels);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 #include <random>
+#include <string_view>
 
 #include "catch.hpp"
 #include "deep_fixture.hpp"
@@ -177,7 +178,7 @@ TEST_CASE("headers of samples that promise more than the file holds are refused"
   const std::string path = folder / "hostile.exr";
   write_small(path, Imf::ZIPS_COMPRESSION);
   Bytes bytes = bytes_of(path);
-  const std::string key = std::string("dataWindow") + '\0' + "box2i" + '\0';
+  constexpr std::string_view key("dataWindow\0box2i\0", 17);
   const auto at = std::search(bytes.begin(), bytes.end(), key.begin(), key.end());
   REQUIRE(at != bytes.end());
   const std::size_t right = static_cast<std::size_t>(at - bytes.begin()) + key.size() + 4 + 8;
