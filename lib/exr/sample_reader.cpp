@@ -66,12 +66,13 @@ void check_plausible(const SourceFile& file, int part) {
   }
 }
 
-std::vector<std::size_t> select_from(const DeepRow& row, const std::vector<std::string>& channels) {
+std::vector<std::size_t> select_from(const std::string& path, const DeepRow& row,
+                                     const std::vector<std::string>& channels) {
   std::vector<std::size_t> selection;
   for (const std::string& name : channels) {
     const auto at = std::find(row.channels().begin(), row.channels().end(), name);
     if (at == row.channels().end()) {
-      throw Error(ErrorCode::kInvalidArgument, "the samples have no channel " + name);
+      fail(ErrorCode::kInvalidArgument, path, "its samples have no channel " + name);
     }
     selection.push_back(static_cast<std::size_t>(at - row.channels().begin()));
   }
@@ -86,7 +87,7 @@ SampleReader::Data::Data(const std::string& path)
       layers(sample_layers(path, names_of(file, part))),
       channels(all_channels(layers)),
       row(header()),
-      selection(select_from(row, channels)) {
+      selection(select_from(path, row, channels)) {
   check_plausible(file, part);
   file.require_complete(part);
   input.emplace(file.input(), part);
@@ -122,7 +123,7 @@ const std::vector<std::string>& SampleReader::channels() const noexcept { return
 
 void SampleReader::select(const std::vector<std::string>& channels) {
   check_channel_names("cannot read samples of '" + path() + "'", channels);
-  data_->selection = select_from(data_->row, channels);
+  data_->selection = select_from(path(), data_->row, channels);
   data_->channels = channels;
 }
 
