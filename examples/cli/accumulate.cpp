@@ -38,7 +38,7 @@ constexpr const char* kFooter =
     "\n"
     "Examples:\n"
     "  stein accumulate samples.exr -o noisy.exr\n"
-    "  stein accumulate samples.exr -o noisy.exr --leave-out position2 --leave-out normal2";
+    "  stein accumulate samples.exr -o noisy.exr --leave-out position2,normal2";
 
 void check_paths(const AccumulateOptions& options) {
   std::error_code error;
@@ -119,9 +119,11 @@ Action add_accumulate(CLI::App& verb) {
   auto options = std::make_shared<AccumulateOptions>();
   verb.add_option("DUMP", options->input, "Deep OpenEXR file of raw samples")->required();
   verb.add_option("-o,--output", options->output, "File of planes to write")->required();
-  verb.add_option("--leave-out", options->leave_out, "A feature that is not to be in the output; repeatable");
+  verb.add_option("--leave-out", options->leave_out, "NAME[,NAME...]: features that are not to be in the output")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   verb.add_flag("--no-covariances", options->no_covariances,
-                "Variances only: half the size, but the error estimate of a denoised image is then too low");
+                "Variances only: a smaller file, but the error estimate of a denoised image is then too low");
   verb.add_flag("--quiet", options->quiet, "No progress and no summary; warnings remain");
   verb.footer(kFooter);
   return [options] { accumulate(*options); };

@@ -64,9 +64,10 @@ std::size_t expand_runs(const char* from, std::size_t size, std::vector<char>& t
 
 std::size_t inflate(const char* from, std::size_t size, std::vector<char>& to) {
   uLongf filled = to.size();
+  uLong read = size;
   const int status =
-      ::uncompress(reinterpret_cast<Bytef*>(to.data()), &filled, reinterpret_cast<const Bytef*>(from), size);
-  return status == Z_OK ? filled : 0;
+      ::uncompress2(reinterpret_cast<Bytef*>(to.data()), &filled, reinterpret_cast<const Bytef*>(from), &read);
+  return status == Z_OK && read == size ? filled : 0;
 }
 
 /// Both codecs store the differences of neighbouring bytes, after all bytes of even places were put before all others.
@@ -116,7 +117,7 @@ void DeepRow::decode_counts(const Block& block) {
   counts_.resize(width_);
   std::uint32_t before = 0;  // the table holds running totals
   for (std::size_t x = 0; x < width_; ++x) {
-    const auto total = load<std::uint32_t>(table + x * sizeof total);
+    const auto total = load<std::uint32_t>(table + x * sizeof(std::uint32_t));
     if (total < before || total > kMaxRowBytes) {
       fail("its sample counts decrease or overflow at column " + std::to_string(x) + ": the file is damaged");
     }

@@ -43,7 +43,9 @@ class FrameReader {
   void require_colour() const {
     const int main = layout_.main_part;
     if (main >= 0 && file_.is_deep(main)) {
-      fail(ErrorCode::kUnsupported, "R, G, B are deep; stein reads the colour from a flat part: flatten it first");
+      fail(ErrorCode::kUnsupported,
+           "R, G, B are deep; stein reads the colour from a flat part: accumulate raw samples ('stein accumulate'), "
+           "flatten other deep images");
     }
     std::string missing = absent(layout_.colour, "");
     if (!missing.empty()) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <ImfChannelList.h>
 #include <ImfPartType.h>
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "exr/sample_layers.hpp"
 #include "exr/sample_reader_data.hpp"
@@ -64,12 +66,13 @@ void check_plausible(const SourceFile& file, int part) {
   }
 }
 
-std::vector<std::size_t> select_from(const DeepRow& row, const std::vector<std::string>& channels) {
+std::vector<std::size_t> select_from(const std::string& path, const DeepRow& row,
+                                     const std::vector<std::string>& channels) {
   std::vector<std::size_t> selection;
   for (const std::string& name : channels) {
     const auto at = std::find(row.channels().begin(), row.channels().end(), name);
     if (at == row.channels().end()) {
-      throw Error(ErrorCode::kInvalidArgument, "the samples have no channel " + name);
+      fail(ErrorCode::kInvalidArgument, path, "its samples have no channel " + name);
     }
     selection.push_back(static_cast<std::size_t>(at - row.channels().begin()));
   }
@@ -84,10 +87,24 @@ SampleReader::Data::Data(const std::string& path)
       layers(sample_layers(path, names_of(file, part))),
       channels(all_channels(layers)),
       row(header()),
-      selection(select_from(row, channels)) {
+      selection(select_from(path, row, channels)) {
   check_plausible(file, part);
   file.require_complete(part);
   input.emplace(file.input(), part);
+}
+
+void SampleReader::Data::read_chunk(int y) {
+  try {
+    std::uint64_t bytes = 0;
+    input->rawPixelData(y, nullptr, bytes);
+    if (bytes > static_cast<std::uint64_t>(file.size())) {
+      throw std::runtime_error("its chunk claims to be longer than the file: it is truncated or damaged");
+    }
+    chunk.resize(bytes);
+    input->rawPixelData(y, chunk.data(), bytes);
+  } catch (const Error& error) {  // of the stream, which knows of no rows
+    throw Error(error.code(), error.what() + (" (row y = " + std::to_string(y) + ")"));
+  }
 }
 
 SampleReader::SampleReader(const std::string& path)
@@ -106,7 +123,7 @@ const std::vector<std::string>& SampleReader::channels() const noexcept { return
 
 void SampleReader::select(const std::vector<std::string>& channels) {
   check_channel_names("cannot read samples of '" + path() + "'", channels);
-  data_->selection = select_from(data_->row, channels);
+  data_->selection = select_from(path(), data_->row, channels);
   data_->channels = channels;
 }
 
@@ -115,13 +132,7 @@ bool SampleReader::read_row(std::vector<std::uint32_t>& counts, std::vector<floa
   if (data.rows_read == height()) return false;
   const int y = data.header().dataWindow().min.y + data.rows_read;
   with_io_errors("read '" + path() + "', row y = " + std::to_string(y), [&] {
-    std::uint64_t bytes = 0;
-    data.input->rawPixelData(y, nullptr, bytes);
-    if (bytes > static_cast<std::uint64_t>(data.file.size())) {
-      throw std::runtime_error("its chunk claims to be longer than the file: it is truncated or damaged");
-    }
-    data.chunk.resize(bytes);
-    data.input->rawPixelData(y, data.chunk.data(), bytes);
+    data.read_chunk(y);
     data.row.decode(data.chunk.data(), data.chunk.size());
     const std::size_t channels = data.selection.size();
     samples.resize(data.row.samples() * channels);

@@ -17,6 +17,9 @@ namespace stein::exr {
 struct SampleReader::Data {
   explicit Data(const std::string& path);
 
+  /// Reads the bytes of a row as they are.
+  void read_chunk(int y);
+
   [[nodiscard]] const Imf::Header& header() const { return file.header(part); }
 
   SourceFile file;

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Output files appear whole or not at all.
-#include <sys/resource.h>
 #include <sys/stat.h>
-
-#include <csignal>
 
 #include "catch.hpp"
 #include "expect_error.hpp"
+#include "file_size_limit.hpp"
 #include "fixture.hpp"
 
 using fixture::bytes_of;
@@ -24,30 +22,6 @@ using stein::exr::read_frame;
 using stein::exr::read_planes;
 using stein::exr::write_planes;
 using stein::exr::write_result;
-
-namespace {
-
-/// No file may grow beyond `bytes` while this lives: a full disk for one test.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) : old_handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    ::getrlimit(RLIMIT_FSIZE, &old_);
-    const rlimit limit{bytes, old_.rlim_max};
-    ::setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-  ~FileSizeLimit() {
-    ::setrlimit(RLIMIT_FSIZE, &old_);
-    std::signal(SIGXFSZ, old_handler_);
-  }
-
- private:
-  rlimit old_{};
-  void (*old_handler_)(int);
-};
-
-}  // namespace
 
 TEST_CASE("a file can be its own target") {
   const TemporaryFolder folder;

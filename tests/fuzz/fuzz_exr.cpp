@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any bytes as an OpenEXR file: reading, and writing a result next to what the file holds, may only end in an Error.
+// Any bytes as an OpenEXR file: reading it, as planes or as raw samples, and writing a result next to what the file
+// holds, may only end in an Error.
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -9,9 +10,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "stein/error.hpp"
 #include "stein/exr.hpp"
+#include "stein/exr_samples.hpp"
 
 namespace {
 
@@ -75,13 +78,7 @@ void rewrite(const stein::exr::LoadedFrame& loaded) {
   std::filesystem::remove(target);
 }
 
-}  // namespace
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size);
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  static MemoryFile file;
-  const std::string& path = file.fill(bytes, size);
+void read_planes(const std::string& path) {
   try {
     const stein::exr::LoadedFrame loaded =
         stein::exr::read_frame(path, {.samples_per_pixel = 4, .read_extra_layers = true});
@@ -91,5 +88,30 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   } catch (const stein::Error&) {
     // The promised end of a damaged file.
   }
+}
+
+void read_samples(const std::string& path) {
+  try {
+    stein::exr::SampleReader reader(path);
+    std::vector<std::uint32_t> counts;
+    std::vector<float> samples;
+    volatile float sum = 0;
+    while (reader.read_row(counts, samples)) {
+      for (const float value : samples) sum = sum + value;
+    }
+  } catch (const stein::Error&) {
+    // As above.
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size);
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  static MemoryFile file;
+  const std::string& path = file.fill(bytes, size);
+  read_planes(path);
+  read_samples(path);
   return 0;
 }

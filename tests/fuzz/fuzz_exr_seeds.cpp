@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "exr/deep_fixture.hpp"
 #include "exr/fixture.hpp"
 
 using fixture::ChannelSpec;
@@ -33,6 +34,9 @@ void write_seeds(const std::string& folder) {
                                {"albedo", layer("", "RGB", Imf::HALF) + layer("variance", "RGB", Imf::HALF), small},
                                {"tiles", layer("", "XY", Imf::HALF), small, Storage::kMipmap, Imf::PIZ_COMPRESSION},
                                {"deep", layer("", "Z", Imf::FLOAT), small, Storage::kDeep, Imf::ZIPS_COMPRESSION}});
+  for (const Imf::Compression compression : {Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION, Imf::ZIPS_COMPRESSION}) {
+    fixture::write_deep_file(next(), {{{"R"}, {"G", Imf::HALF}, {"B", Imf::UINT}, {"depth.Z"}}, small, compression});
+  }
 }
 
 }  // namespace
