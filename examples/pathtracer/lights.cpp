@@ -35,15 +35,13 @@ Lights::Lights(Geometry& geometry, const Environment& environment) : geometry_(&
     shapes_.push_back(shape);
     power.push_back(kPi * mean(material.emission) * area(geometry, shape));
   }
-  if (!environment.is_black()) {
-    const Bounds box = geometry.bounds();
-    const float radius = length(box.high - box.low) / 2;
-    // What enters the sphere around the scene, shared evenly with its lamps: it has no power of its own.
-    const float entering = 4 * kPi * kPi * radius * radius * mean(environment.mean_radiance());
-    power.push_back(entering);
-  }
   float total = 0;
   for (const float p : power) total += p;
+  // What the environment sends to a point cannot be told from what it sends to the scene: it gets half of the samples.
+  if (!environment.is_black()) {
+    power.push_back(power.empty() ? 1 : total);
+    total += power.back();
+  }
   float sum = 0;
   for (const float p : power) upper_.push_back((sum += p) / total);
   if (!upper_.empty()) upper_.back() = 1;

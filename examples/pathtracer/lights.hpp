@@ -24,7 +24,8 @@ class Lights {
   /// Lists the emitting shapes of `geometry` and numbers them there. Both must outlive this.
   Lights(Geometry& geometry, const Environment& environment);
 
-  /// A direction towards a light, chosen by power. One number of `u` serves for the choice as well.
+  /// A direction towards a light: lamps are chosen by power, the environment half of the time. One number of `u` serves
+  /// for the choice as well.
   [[nodiscard]] LightSample sample(Vec3 from, float time, Vec2 u) const;
 
   /// The density of `sample` for a ray from `from` that met the light `point`.

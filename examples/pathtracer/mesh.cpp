@@ -106,7 +106,7 @@ Mesh lathe(std::span<const Vec2> profile, int segments) {
   for (const Vec2 p : spline(profile)) {
     for (int s = 0; s <= segments; ++s) {
       const float angle = 2 * kPi * static_cast<float>(s % segments) / static_cast<float>(segments);
-      points.push_back({p.x * std::cos(angle), p.y, -p.x * std::sin(angle)});
+      points.push_back({p.x * std::cos(angle), p.y, p.x * std::sin(angle)});
     }
   }
   return skin(std::move(points), segments);

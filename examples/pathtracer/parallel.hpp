@@ -3,12 +3,15 @@
 // Parallel loops with progress and cancelling.
 #pragma once
 
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
+#include <cstddef>
 #include <mutex>
+#include <optional>
 
 #include "stein/error.hpp"
 #include "stein/execution.hpp"
@@ -21,7 +24,11 @@ class Parallel {
   Parallel(const stein::Execution& execution, double total)
       : execution_(execution),
         total_(total),
-        arena_(execution.threads > 0 ? execution.threads : tbb::task_arena::automatic) {}
+        arena_(execution.threads > 0 ? execution.threads : tbb::task_arena::automatic) {
+    constexpr auto kLimit = tbb::global_control::max_allowed_parallelism;
+    const auto wanted = static_cast<std::size_t>(execution.threads);
+    if (wanted > tbb::global_control::active_value(kLimit)) more_workers_.emplace(kLimit, wanted);
+  }
 
   /// units += body(item) for each item in [0, count), in any order. @throws stein::Error kCancelled.
   template <class Body>
@@ -51,6 +58,7 @@ class Parallel {
   double done_ = 0;  // guarded by mutex_
   std::mutex mutex_;
   std::atomic<bool> cancelled_{false};
+  std::optional<tbb::global_control> more_workers_;  // than there are cores, which oneTBB does not make by itself
   tbb::task_arena arena_;
 };
 

@@ -7,7 +7,6 @@
 #include "catch.hpp"
 #include "geometry.hpp"
 #include "random.hpp"
-#include "sampling.hpp"
 
 using namespace pathtracer;
 
@@ -29,9 +28,10 @@ Mesh random_triangles(Random& random, std::uint32_t count, float size) {
 }
 
 Ray random_ray(Random& random) {
-  Vec3 direction = uniform_cone(random.uniform2(), 2);
-  if (random.uniform() < 0.2F) direction = {0, 0, direction.z < 0 ? -1.0F : 1.0F};  // along the sides of boxes
-  return {in_cube(random) * 3 - Vec3(1), direction, random.uniform()};
+  const Vec3 origin = in_cube(random) * 3 - Vec3(1);
+  const Vec3 way = in_cube(random) - origin;
+  const bool is_straight = random.uniform() < 0.2F;  // along the sides of boxes
+  return {origin, normalised(is_straight ? Vec3(0, 0, way.z) : way), random.uniform()};
 }
 
 Hit brute_force(const Geometry& shapes, const Ray& ray) {
@@ -59,7 +59,7 @@ void compare_with_brute_force(const Geometry& shapes, Random& random, int rays) 
     REQUIRE(shapes.is_occluded(ray, hit.at.distance * 1.001F));
     REQUIRE_FALSE(shapes.is_occluded(ray, hit.at.distance * 0.999F));
   }
-  CHECK(hits > rays / 20);
+  CHECK(hits > 10);
 }
 
 }  // namespace
@@ -86,11 +86,14 @@ TEST_CASE("tree: shapes in one place cannot be parted, and are found") {
 TEST_CASE("tree: very uneven shapes stay within the walk's memory") {
   Geometry shapes;
   float x = 1;
-  for (int i = 0; i < 120; ++i) shapes.add({x *= 0.7F, 0, 0}, 0.1F * x, {});
+  for (int i = 0; i < 100; ++i) {
+    x *= 0.8F;
+    shapes.add({x, 0, 0}, 0.1F * x, {});
+  }
   shapes.build_tree();
   Hit hit;
-  REQUIRE(shapes.intersect({{-1, 0, 0}, {1, 0, 0}, 0}, hit));
-  CHECK(hit.shape == 119);
+  REQUIRE(shapes.intersect({{0, 0, 0}, {1, 0, 0}, 0}, hit));
+  CHECK(hit.shape == 99);
 }
 
 TEST_CASE("tree: an empty scene") {

@@ -17,13 +17,19 @@ constexpr int kWidth = 24;
 constexpr int kHeight = 18;
 constexpr std::size_t kPixels = static_cast<std::size_t>(kWidth) * kHeight;
 
+stein::Execution with_threads(int threads) {
+  stein::Execution execution;
+  execution.threads = threads;
+  return execution;
+}
+
 stein::Accumulator new_film() { return {kWidth, kHeight, {.features = feature_layout()}}; }
 
 stein::Accumulator rendered(const Scene& scene, std::uint32_t samples, std::uint64_t seed, int threads = 0,
                             const PathSettings& settings = {}) {
   stein::Accumulator film = new_film();
   Renderer renderer(scene, kWidth, kHeight, seed, settings);
-  renderer.render(std::vector<std::uint32_t>(kPixels, samples).data(), film, {.threads = threads});
+  renderer.render(std::vector<std::uint32_t>(kPixels, samples).data(), film, with_threads(threads));
   return film;
 }
 
@@ -144,7 +150,7 @@ TEST_CASE("uneven counts leave the mean of each pixel as it is") {
   Renderer(scene, kWidth, kHeight, 11).render(counts.data(), film);
   CHECK(agree(image_mean(film), image_mean(rendered(scene, 32, 12))));
   const stein::Moments moments = film.moments();
-  CHECK(moments.frame().sample_count.at(3, 0) == counts[3]);
+  CHECK(moments.frame().sample_count.at(3, 0) == static_cast<float>(counts[3]));
 }
 
 TEST_CASE("samples that are handed out are those in the film") {
@@ -194,7 +200,7 @@ TEST_CASE("the channels of a sample: random parameters are in [0, 1), features i
 
 TEST_CASE("a film without features takes the colour") {
   const Scene scene = spheres();
-  stein::Accumulator film(kWidth, kHeight, {.covariances = false});
+  stein::Accumulator film(kWidth, kHeight, {.features = {}, .covariances = false});
   Renderer(scene, kWidth, kHeight, 3).render(std::vector<std::uint32_t>(kPixels, 4).data(), film);
   CHECK(film.moments().frame().colour[1].at(9, 9) == rendered(scene, 4, 3).moments().frame().colour[1].at(9, 9));
 }
@@ -216,17 +222,19 @@ TEST_CASE("progress rises to 1, and cancelling keeps what was finished") {
   const std::vector<std::uint32_t> counts(kPixels, 2);
   double last = 0;
   stein::Accumulator film = new_film();
-  Renderer(scene, kWidth, kHeight, 3).render(counts.data(), film, {.progress = [&](double done) {
-                                               CHECK(done >= last);
-                                               last = done;
-                                               return true;
-                                             }});
+  stein::Execution execution = with_threads(1);
+  execution.progress = [&last](double done) {
+    CHECK(done >= last);
+    last = done;
+    return true;
+  };
+  Renderer(scene, kWidth, kHeight, 3).render(counts.data(), film, execution);
   CHECK(last == Approx(1));
 
   stein::Accumulator part = new_film();
   Renderer renderer(scene, kWidth, kHeight, 3);
-  const auto stop = [](double done) { return done < 0.3; };
-  CHECK_THROWS_AS(renderer.render(counts.data(), part, {.threads = 1, .progress = stop}), stein::Error);
+  execution.progress = [](double done) { return done < 0.3; };
+  CHECK_THROWS_AS(renderer.render(counts.data(), part, execution), stein::Error);
   const stein::Moments moments = part.moments();
   std::vector<std::uint32_t> rest = counts;
   double taken = 0;

@@ -43,6 +43,7 @@ Scene colonnade() {
   Environment sky;
   sky.zenith = {0.35F, 0.55F, 1.0F};
   sky.horizon = {0.85F, 0.95F, 1.10F};
+  sky.ground = {0.72F, 0.72F, 0.42F};  // about what the lawn sends back
   set_sun(sky, 33, 62, 1.2F, {9, 8, 6.2F});
   return {std::move(shapes), sky, {.eye = {-0.45F, 1.25F, 1.9F}, .target = {0.25F, 1.22F, -3}, .height_degrees = 52}};
 }

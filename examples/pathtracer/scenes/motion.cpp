@@ -15,7 +15,8 @@ void add_ball(Geometry& shapes, Vec2 place, Colour colour, Vec2 way = {}) {
 Scene motion() {
   Geometry shapes;
   const auto marble = marble_image({0.10F, 0.36F, 0.20F}, {0.05F, 0.20F, 0.11F});
-  shapes.add(floor_square(40), diffuse({marble, 20}));
+  shapes.add(quad({-3.4F, 0, 6}, {9.4F, 0, 0}, {0, 0, -8.5F}), diffuse({marble, 4}));
+  shapes.add(placed(floor_square(40), {0, -0.9F, 0}), diffuse({stone_tiles_image(), 6}));
   const Material rail = coated({wood_image(), 1}, 0.25F);
   shapes.add(block({0, 0, -2.5F}, {9, 0.42F, 0.5F}, 0), rail);
   shapes.add(block({-3.4F, 0, 0}, {0.5F, 0.42F, 9}, 0), rail);
@@ -27,7 +28,7 @@ Scene motion() {
   add_ball(shapes, {-1.9F, -1.2F}, {0.03F, 0.03F, 0.03F}, {-0.25F, -0.15F});
   add_ball(shapes, {1.75F, 1.15F}, {0.06F, 0.42F, 0.18F}, {-0.15F, 0.45F});
   for (const float x : {-2.0F, 1.2F}) {
-    shapes.add(quad({x, 3.2F, -0.6F}, {1.2F, 0, 0}, {0, 0, 1.2F}), lamp({13, 11.5F, 9}));
+    shapes.add(quad({x, 3.2F, -0.6F}, {1.2F, 0, 0}, {0, 0, 1.2F}), lamp({24, 21, 16}));
   }
   Environment room;
   room.zenith = {0.05F, 0.055F, 0.065F};

@@ -55,7 +55,8 @@ Scene tea_table() {
   for (const Vec3 sugar : {Vec3(1.08F, 0.06F, -0.72F), Vec3(1.24F, 0.06F, -0.83F), Vec3(1.16F, 0.19F, -0.74F)}) {
     shapes.add(block(sugar, Vec3(0.14F), 100 * sugar.x), diffuse(Colour(0.85F)));
   }
-  // A tall window to the left and a dim room around.
+  shapes.add(quad({-12, -2, -4.5F}, {24, 0, 0}, {0, 8, 0}), diffuse(Colour(0.30F, 0.36F, 0.34F)));
+  // A tall window to the left, a lamp to the right, and a dim room around.
   shapes.add(quad({-4.2F, 0.6F, 1.6F}, {0, 0, -3.2F}, {0, 3.2F, 0}), lamp({9, 9.6F, 10.5F}));
   shapes.add(quad({3.5F, 3.5F, 2.5F}, {-0.8F, 0, 0}, {0, 0, -0.8F}), lamp({20, 14, 8}));
   Environment room;
