@@ -72,11 +72,11 @@ bool Geometry::intersect(const Ray& ray, Hit& hit) const {
   return found;
 }
 
-bool Geometry::is_occluded(const Ray& ray, float distance) const {
+bool Geometry::is_occluded(const Ray& ray, float distance, std::uint32_t except) const {
   ShapeHit hit{distance, {}};
   bool found = false;
   tree_.walk(ray, distance, [&](std::uint32_t shape, float limit) {
-    found = intersect_shape(shape, ray, hit);
+    found = shape != except && intersect_shape(shape, ray, hit);
     return found ? -1.0F : limit;
   });
   return found;

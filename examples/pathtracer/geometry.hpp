@@ -20,6 +20,8 @@ struct Hit {
   std::uint32_t shape = 0;
 };
 
+constexpr std::uint32_t kNoShape = UINT32_MAX;
+
 class Geometry {
  public:
   void add(const Mesh& mesh, const Material& material, Vec3 motion = {});
@@ -28,8 +30,8 @@ class Geometry {
   void build_tree();
 
   [[nodiscard]] bool intersect(const Ray& ray, Hit& hit) const;
-  /// Is anything nearer than `distance`?
-  [[nodiscard]] bool is_occluded(const Ray& ray, float distance) const;
+  /// Is anything but the shape `except` nearer than `distance`?
+  [[nodiscard]] bool is_occluded(const Ray& ray, float distance, std::uint32_t except = kNoShape) const;
   [[nodiscard]] SurfacePoint surface_point(const Ray& ray, const Hit& hit) const;
 
   [[nodiscard]] std::size_t shape_count() const { return triangles_.size() + spheres_.size(); }

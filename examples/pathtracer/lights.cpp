@@ -64,7 +64,7 @@ LightSample Lights::sample_triangle(const Triangle& t, Vec3 from, float time, Ve
   const Vec3 normal = cross(t.edge1, t.edge2);  // twice the area long
   const float facing = -dot(direction, normal);
   if (!(facing > 0)) return {};
-  return {direction, distance, {}, 2 * distance * distance / facing};
+  return {direction, distance, {}, 2 * distance * distance / facing, kNoShape};
 }
 
 LightSample Lights::sample_sphere(const Sphere& s, Vec3 from, float time, Vec2 u) const {
@@ -75,7 +75,7 @@ LightSample Lights::sample_sphere(const Sphere& s, Vec3 from, float time, Vec2 u
   const float along = dot(to_centre, direction);
   const Vec3 aside = to_centre - direction * along;
   const float half = std::sqrt(std::max(0.0F, s.radius * s.radius - dot(aside, aside)));
-  return {direction, along - half, {}, uniform_cone_pdf(cone)};
+  return {direction, along - half, {}, uniform_cone_pdf(cone), kNoShape};
 }
 
 LightSample Lights::sample(Vec3 from, float time, Vec2 u) const {
@@ -84,12 +84,13 @@ LightSample Lights::sample(Vec3 from, float time, Vec2 u) const {
   LightSample sample;
   if (light == shapes_.size()) {
     const EnvironmentSample chosen = environment_->sample(u);
-    sample = {chosen.direction, kInfinity, chosen.radiance, chosen.pdf};
+    sample = {chosen.direction, kInfinity, chosen.radiance, chosen.pdf, kNoShape};
   } else {
     const std::uint32_t shape = shapes_[light];
     sample = geometry_->is_triangle(shape) ? sample_triangle(geometry_->triangle(shape), from, time, u)
                                            : sample_sphere(geometry_->sphere(shape), from, time, u);
     sample.radiance = geometry_->material(shape).emission;
+    sample.shape = shape;
   }
   sample.pdf *= probability(light);
   return sample;

@@ -16,6 +16,7 @@ struct LightSample {
   float distance = kInfinity;
   Colour radiance;
   float pdf = 0;  ///< per solid angle, the choice of the light included; 0: this light does not reach the point
+  std::uint32_t shape = kNoShape;  ///< of the light
 };
 
 class Lights {

@@ -78,9 +78,9 @@ class PathTracer {
     const LightSample light = scene_.lights().sample(point.position, ray_.time, u);
     const Colour value = light.pdf > 0 ? bsdf.value_cosine(light.direction) : Colour();
     if (value == Colour()) return;
-    constexpr float kShort = 1 - 1e-4F;  // the light itself is not in the way
+    constexpr float kShort = 1 - 1e-4F;  // the other half of a rectangle is not in the way
     const Ray shadow = {ray_start(point, light.direction), light.direction, ray_.time};
-    if (scene_.geometry().is_occluded(shadow, light.distance * kShort)) return;
+    if (scene_.geometry().is_occluded(shadow, light.distance * kShort, light.shape)) return;
     if (is_first) sample_.visibility = 1;
     const float weight =
         settings_.direct_light == DirectLight::kLights ? 1.0F : power_heuristic(light.pdf, bsdf.pdf(light.direction));

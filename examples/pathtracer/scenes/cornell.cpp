@@ -19,7 +19,7 @@ Geometry empty_box(const Material& floor) {
   box.add(quad({-kW, 0, -1}, {2 * kW, 0, 0}, {0, 2, 0}), diffuse(kWhite));
   box.add(quad({-kW, 0, 1}, {0, 0, -2}, {0, 2, 0}), diffuse(kRed));
   box.add(quad({kW, 0, -1}, {0, 0, 2}, {0, 2, 0}), diffuse(kGreen));
-  box.add(quad({-0.5F, 1.995F, -0.45F}, {1, 0, 0}, {0, 0, 0.75F}), lamp({8, 6.4F, 4.4F}));
+  box.add(quad({-0.6F, 1.995F, -0.55F}, {1.2F, 0, 0}, {0, 0, 1}), lamp({5, 4.1F, 2.9F}));
   return box;
 }
 
@@ -31,7 +31,7 @@ Scene cornell() {
   Geometry box = empty_box(diffuse(kWhite));
   box.add(block({-0.55F, 0, -0.35F}, {0.58F, 1.2F, 0.58F}, 18), diffuse(kWhite));
   box.add(block({0.6F, 0, 0.05F}, {0.58F, 0.45F, 0.58F}, -18), coated(Colour(0.18F, 0.32F, 0.62F), 0.25F));
-  box.add({0.6F, 0.76F, 0.05F}, 0.31F, mirror(Colour(0.92F)));
+  box.add({0.6F, 0.76F, 0.05F}, 0.31F, metal({0.92F, 0.68F, 0.50F}, 0.35F));
   box.add({-0.42F, 0.28F, 0.5F}, 0.28F, glass(Colour(1)));
   return {std::move(box), {}, box_camera()};
 }

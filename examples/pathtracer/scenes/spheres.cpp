@@ -17,7 +17,7 @@ Scene spheres() {
   Environment sky;
   sky.zenith = {0.16F, 0.24F, 0.42F};
   sky.horizon = {0.42F, 0.45F, 0.50F};
-  sky.ground = {0.20F, 0.20F, 0.20F};
+  sky.ground = {0.36F, 0.38F, 0.42F};
   return {std::move(shapes), sky, {.eye = {0.3F, 2.1F, 5.6F}, .target = {0.1F, 0.45F, 0}, .height_degrees = 33}};
 }
 

@@ -42,7 +42,7 @@ void add_cup(Geometry& shapes, Vec3 position, float turn, const Material& glaze,
 Scene tea_table() {
   Geometry shapes;
   shapes.add(placed(floor_square(14), {0, 0, 0}, 24), coated({wood_image(), 3}, 0.28F));
-  const auto marble = marble_image({0.82F, 0.84F, 0.86F}, {0.10F, 0.22F, 0.48F});
+  const auto marble = marble_image({0.06F, 0.20F, 0.42F}, {0.80F, 0.82F, 0.80F});
   const Material blue = coated({marble, 2}, 0.12F);
   const Material white = coated(Colour(0.78F, 0.76F, 0.72F), 0.12F);
   const Material tea = coated(Colour(0.22F, 0.07F, 0.015F), 0.06F);
