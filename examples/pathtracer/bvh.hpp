@@ -24,8 +24,6 @@ class Bvh {
   template <class Visit>
   void walk(const Ray& ray, float limit, Visit&& visit) const;
 
-  [[nodiscard]] Bounds bounds() const { return nodes_.empty() ? Bounds{} : nodes_[0].box; }
-
  private:
   // The first child of an inner node follows it.
   struct Node {

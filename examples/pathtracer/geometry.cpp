@@ -45,8 +45,8 @@ void Geometry::add(Vec3 centre, float radius, const Material& material, Vec3 mot
 void Geometry::build_tree() {
   std::vector<Bounds> boxes;
   boxes.reserve(shape_count());
-  for (const Triangle& t : triangles_) boxes.push_back(pathtracer::bounds(t));
-  for (const Sphere& s : spheres_) boxes.push_back(pathtracer::bounds(s));
+  for (const Triangle& t : triangles_) boxes.push_back(bounds(t));
+  for (const Sphere& s : spheres_) boxes.push_back(bounds(s));
   tree_ = Bvh(boxes);
   lights_.assign(shape_count(), -1);
 }

@@ -3,6 +3,7 @@
 // All shapes of a scene, and what rays meet of them.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -39,7 +40,6 @@ class Geometry {
   [[nodiscard]] const Triangle& triangle(std::uint32_t shape) const { return triangles_[shape]; }
   [[nodiscard]] const Sphere& sphere(std::uint32_t shape) const { return spheres_[shape - triangles_.size()]; }
   [[nodiscard]] const Material& material(std::uint32_t shape) const;
-  [[nodiscard]] Bounds bounds() const { return tree_.bounds(); }
 
   /// Index into the list of lights, -1: none.
   [[nodiscard]] int light(std::uint32_t shape) const { return lights_[shape]; }

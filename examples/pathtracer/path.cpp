@@ -2,6 +2,7 @@
 #include "path.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "sampling.hpp"
 

@@ -15,6 +15,7 @@ namespace {
 
 constexpr int kChunk = 16;  // pixels of a row that one thread takes at a time
 constexpr std::size_t kSampleFloats = sizeof(PathSample) / sizeof(float);
+static_assert(kSampleFloats == 27, "one name in sample_channels() for each float of PathSample");
 
 [[noreturn]] void fail(const std::string& message) { throw stein::Error(stein::ErrorCode::kInvalidArgument, message); }
 

@@ -34,6 +34,22 @@ float noise_octave(float x, float y, int period) {
   return top * (1 - ty) + bottom * ty;
 }
 
+// In [0, 1], with a period of `period` lattice cells in both directions; each octave adds a finer copy.
+float tileable_noise(float x, float y, int period, int octaves) {
+  float sum = 0;
+  float weight = 0.5F;
+  float total = 0;
+  for (int i = 0; i < octaves; ++i) {
+    sum += weight * noise_octave(x, y, period);
+    total += weight;
+    x *= 2;
+    y *= 2;
+    period *= 2;
+    weight /= 2;
+  }
+  return sum / total;
+}
+
 template <class Paint>
 std::shared_ptr<const Image> painted(int size, Paint paint) {
   auto image = std::make_shared<Image>(Image{size, size, {}});
@@ -89,21 +105,6 @@ Colour Texture::at(Vec2 uv) const {
     return wrap(square, 2) == 0 ? checker->even : checker->odd;
   }
   return std::get<std::shared_ptr<const Image>>(pattern_)->at(scaled);
-}
-
-float tileable_noise(float x, float y, int period, int octaves) {
-  float sum = 0;
-  float weight = 0.5F;
-  float total = 0;
-  for (int i = 0; i < octaves; ++i) {
-    sum += weight * noise_octave(x, y, period);
-    total += weight;
-    x *= 2;
-    y *= 2;
-    period *= 2;
-    weight /= 2;
-  }
-  return sum / total;
 }
 
 std::shared_ptr<const Image> wood_image() {

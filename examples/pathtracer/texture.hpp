@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -41,9 +42,7 @@ class Texture {
   float scale_ = 1;  // repetitions per unit of (u, v)
 };
 
-/// Smooth noise in [0, 1] with a period of `period` lattice cells in both directions, `octaves` finer copies added.
-[[nodiscard]] float tileable_noise(float x, float y, int period, int octaves);
-
+/// Procedural images; all repeat without a seam.
 [[nodiscard]] std::shared_ptr<const Image> wood_image();
 [[nodiscard]] std::shared_ptr<const Image> stone_tiles_image();
 [[nodiscard]] std::shared_ptr<const Image> marble_image(Colour light, Colour vein);

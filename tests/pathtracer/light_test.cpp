@@ -37,7 +37,7 @@ DirectLight any_way() { return GENERATE(DirectLight::kBoth, DirectLight::kLights
 double corner_factor(double a, double b) {
   const double ra = std::sqrt(1 + a * a);
   const double rb = std::sqrt(1 + b * b);
-  return (a / ra * std::atan(b / ra) + b / rb * std::atan(a / rb)) / (2 * M_PI);
+  return (a / ra * std::atan(b / ra) + b / rb * std::atan(a / rb)) / (2 * kPi);
 }
 
 }  // namespace

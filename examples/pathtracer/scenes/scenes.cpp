@@ -7,9 +7,9 @@ namespace pathtracer {
 
 const std::vector<SceneEntry>& all_scenes() {
   static const std::vector<SceneEntry> scenes = {
-      {"cornell", "a box with coloured walls, a mirror and a glass ball", cornell},
+      {"cornell", "a box with coloured walls, a metal and a glass ball", cornell},
       {"cornell-defocus", "the box with a row of balls, seen through a wide lens", cornell_defocus},
-      {"spheres", "coloured balls and their soft shadows", spheres},
+      {"spheres", "coloured balls, a mirror among them, and their soft shadows", spheres},
       {"tea-table", "glazed teapot and cups on a wooden table", tea_table},
       {"motion", "billiard balls, some of them rolling while the shutter is open", motion},
       {"colonnade", "sun in a colonnade of textured stone", colonnade},
