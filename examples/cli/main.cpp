@@ -2,6 +2,7 @@
 //
 // stein: denoises renderings from the command line. One file per verb; this one finds the verb.
 #include <CLI/CLI.hpp>
+#include <memory>
 
 #include "run_program.hpp"
 #include "verbs.hpp"
@@ -42,18 +43,21 @@ constexpr const char* kFooter =
     "  4  a file cannot be read or written\n"
     "  5  cancelled (Ctrl-C or SIGTERM); no output is left behind";
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  CLI::App app("Denoises Monte Carlo renderings and says how large the remaining error is.", "stein");
+Action declare(CLI::App& app) {
   app.set_version_flag("--version", "stein " STEIN_VERSION, "Print the version and exit");
   app.footer(kFooter);
   app.require_subcommand(1);
-
-  Action action;
+  auto action = std::make_shared<Action>();
   for (const Verb& verb : kVerbs) {
     CLI::App* parser = app.add_subcommand(verb.name, verb.summary);
-    parser->callback([&action, chosen = verb.add(*parser)] { action = chosen; });
+    parser->callback([action, chosen = verb.add(*parser)] { *action = chosen; });
   }
-  return stein::cli::run_program(app, argc, argv, [&action] { action(); });
+  return [action] { (*action)(); };
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return stein::cli::run_program("stein", "Denoises Monte Carlo renderings and says how large the remaining error is.",
+                                 argc, argv, declare);
 }

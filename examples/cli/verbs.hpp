@@ -6,12 +6,10 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
-#include <functional>
+
+#include "run_program.hpp"
 
 namespace stein::cli {
-
-/// Throws stein::Error on failure.
-using Action = std::function<void()>;
 
 [[nodiscard]] Action add_denoise(CLI::App& verb);
 [[nodiscard]] Action add_accumulate(CLI::App& verb);

@@ -13,27 +13,39 @@
 #include "stein/error.hpp"
 
 namespace stein::cli {
+namespace {
 
-int run_program(CLI::App& app, int argc, char** argv, const std::function<void()>& action) {
-  const std::string name = app.get_name();
-  const auto fail = [&name](int code, const std::string& message) {
-    std::fprintf(stderr, "%s: %s\n", name.c_str(), message.c_str());
-    return code;
-  };
+int fail(const char* name, int code, const char* message) {
+  std::fprintf(stderr, "%s: %s\n", name, message);
+  return code;
+}
+
+int parse_and_run(const char* name, CLI::App& app, int argc, char** argv, const Action& action) {
   try {
     app.parse(argc, argv);
-    action();
-    return kSuccess;
   } catch (const CLI::Success& request) {  // --help, --version
     return app.exit(request);
   } catch (const CLI::ParseError& error) {
-    return fail(kUsage, std::string(error.what()) + " (see '" + name + " --help')");
+    return fail(name, kUsage, (std::string(error.what()) + " (see '" + name + " --help')").c_str());
+  }
+  action();
+  return kSuccess;
+}
+
+}  // namespace
+
+int run_program(const char* name, const char* description, int argc, char** argv,
+                const std::function<Action(CLI::App&)>& declare) noexcept {
+  try {
+    CLI::App app(description, name);
+    const Action action = declare(app);
+    return parse_and_run(name, app, argc, argv, action);
   } catch (const Error& error) {
-    return fail(exit_code(error.code()), error.code() == ErrorCode::kCancelled ? "cancelled" : error.what());
+    return fail(name, exit_code(error.code()), error.code() == ErrorCode::kCancelled ? "cancelled" : error.what());
   } catch (const std::bad_alloc&) {
-    return fail(kOtherFailure, "out of memory");
+    return fail(name, kOtherFailure, "out of memory");
   } catch (const std::exception& error) {
-    return fail(kOtherFailure, error.what());
+    return fail(name, kOtherFailure, error.what());
   }
 }
 

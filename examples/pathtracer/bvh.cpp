@@ -56,7 +56,7 @@ struct Bvh::Builder {
 
   using Items = std::span<std::uint32_t>;
 
-  Split find_split(Items items, const Bounds& centres) const {
+  [[nodiscard]] Split find_split(Items items, const Bounds& centres) const {
     Split best;
     for (int axis = 0; axis < 3; ++axis) {
       if (!(centres.low[axis] < centres.high[axis])) continue;
@@ -73,7 +73,7 @@ struct Bvh::Builder {
   }
 
   // Items of the near side first; how many these are.
-  std::size_t part(Items items, const Bounds& centres, const Split& split) const {
+  [[nodiscard]] std::size_t part(Items items, const Bounds& centres, const Split& split) const {
     const auto is_near = [&](std::uint32_t item) {
       return bin_of(boxes[item].centre()[split.axis], centres.low[split.axis], centres.high[split.axis]) < split.bin;
     };

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -64,7 +65,7 @@ std::string footer() {
   return text;
 }
 
-void declare(CLI::App& app, Options& options) {
+void declare_options(CLI::App& app, Options& options) {
   app.add_option("--scene", options.scene, "Name of the scene, see below")->required();
   app.add_option("--size", options.size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   app.add_option("--samples", options.samples, "Samples per pixel")
@@ -139,12 +140,17 @@ void run(const Options& options) {
   }
 }
 
+stein::cli::Action declare(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  declare_options(app, *options);
+  return [options] { run(*options); };
+}
+
 }  // namespace
 }  // namespace pathtracer
 
 int main(int argc, char** argv) {
-  CLI::App app("Renders test scenes with few samples per pixel, and all that stein can make use of.", "pathtracer");
-  pathtracer::Options options;
-  pathtracer::declare(app, options);
-  return stein::cli::run_program(app, argc, argv, [&options] { pathtracer::run(options); });
+  return stein::cli::run_program("pathtracer",
+                                 "Renders test scenes with few samples per pixel, and all that stein can make use of.",
+                                 argc, argv, pathtracer::declare);
 }
