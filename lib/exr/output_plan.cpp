@@ -34,6 +34,8 @@ bool is_carried(Role role, const OutputRules& rules) {
     case Role::kFeatureCovariance:
     case Role::kSampleCount:
       return rules.keep_inputs;
+    case Role::kFeatureMean:
+      return !rules.replace_frame;
     case Role::kNoisyColour:
       return !rules.replace_noisy;
     default:
@@ -48,11 +50,12 @@ bool is_new(const OutputRules& rules, const std::string& name) {
 
 /// The source's attributes, with the storage of scanlines from the top. Not a copy without some: erasing an attribute
 /// leaks in OpenEXR 3.1.
-Imf::Header scanline_header(const Imf::Header& source) {
+Imf::Header scanline_header(const Imf::Header& source, bool keep_samples) {
   Imf::Header header;
   for (auto it = source.begin(); it != source.end(); ++it) {
     const std::string name = it.name();
-    if (name != "tiles" && name != "chunkCount" && name != "channels") header.insert(name, it.attribute());
+    if (name == "tiles" || name == "chunkCount" || name == "channels") continue;
+    if (keep_samples || (name != kSamplesPerPixel && name != kDegreesOfFreedom)) header.insert(name, it.attribute());
   }
   header.setType(Imf::SCANLINEIMAGE);
   header.lineOrder() = Imf::INCREASING_Y;
@@ -79,7 +82,7 @@ std::vector<PartPlan> plan_output(const SourceFile& source, const Layout& layout
     if (!is_main && next.carried.empty() && !next.copied) continue;
     if (!next.copied) {
       const Imf::ChannelList& from = source.header(part).channels();
-      next.header = scanline_header(source.header(part));
+      next.header = scanline_header(source.header(part), !rules.replace_frame);
       for (const std::string& name : next.carried) next.header.channels().insert(name, from[name]);
     }
     if (is_main) {

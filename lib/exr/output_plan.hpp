@@ -23,6 +23,7 @@ struct PartPlan {
 struct OutputRules {
   bool keep_inputs = false;
   bool replace_noisy = false;
+  bool replace_frame = false;  ///< nothing of the source's frame is kept: neither its features nor its sample count
   std::vector<std::pair<std::string, Imf::PixelType>> new_channels;  ///< of the main part
 };
 

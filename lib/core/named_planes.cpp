@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "frame_planes.hpp"
-
 #include <array>
 #include <cstddef>
 
-namespace stein::cli {
+#include "stein/frame.hpp"
+
+namespace stein {
 namespace {
+
+using NamedView = std::pair<std::string, ConstPlaneView>;
 
 constexpr std::array<const char*, 3> kColourNames = {"R", "G", "B"};
 
@@ -26,7 +28,7 @@ void add_feature(const Feature& feature, std::vector<NamedView>& planes) {
 
 }  // namespace
 
-std::vector<NamedView> all_planes(const Frame& frame) {
+std::vector<NamedView> named_planes(const Frame& frame) {
   constexpr std::array<const char*, 3> kPairs = {"covariance.R.G", "covariance.R.B", "covariance.G.B"};
   std::vector<NamedView> planes;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -52,4 +54,4 @@ std::vector<NamedView> all_planes(const Frame& frame) {
   return planes;
 }
 
-}  // namespace stein::cli
+}  // namespace stein
