@@ -57,7 +57,8 @@ struct Runs {
 Runs run_all_seeds(int pixel) {
   Runs runs;
   for (std::size_t seed = 0; seed < kSeeds; ++seed) {
-    Random random(1000 * static_cast<std::uint64_t>(pixel) + seed);
+    // Far apart: neighbouring seeds of this generator give one sequence, shifted.
+    Random random(1'000'000 * static_cast<std::uint64_t>(pixel + 1) + 1000 * seed);
     Accumulator film(1, 1, usual_layout());
     for (int i = 0; i < kSamples; ++i) {
       const Sample sample = draw_sample(random, 0.1 + 0.25 * pixel);
