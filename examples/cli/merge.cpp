@@ -94,6 +94,7 @@ class Merger {
       add(next, file, film);
     }
     const Moments moments = film.moments();
+    check_not_interrupted();
     exr::write_frame(options_.output, moments.frame(), first);
     progress_->show(1);
     progress_.reset();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -137,6 +138,10 @@ TEST_CASE("merge: variances of the files are pooled") {
   CHECK(has_channel(out, "covariance.R.G"));
   CHECK(run_stein({"info", out}).out.find("2 degrees of freedom") != std::string::npos);
 
+  const Outcome denoise = run_stein({"denoise", out, "-o", folder / "clean.exr", "--quiet"});
+  CHECK(denoise.exit_code == 0);
+  CHECK(denoise.err.find("warning: the variances have 2 degrees of freedom") != std::string::npos);
+
   // A merge of merges knows what its parts know.
   const std::string again = folder / "again.exr";
   std::filesystem::copy(out, folder / "copy.exr");
@@ -217,5 +222,12 @@ TEST_CASE("merge: a failure or an interrupt leaves nothing behind") {
   const Outcome full = run_stein(arguments, 2000);
   CHECK(full.exit_code == 4);
   CHECK(full.err.find("merged.exr") != std::string::npos);
+  CHECK(folder.names() == std::vector<std::string>{"seed1.exr", "seed2.exr"});
+
+  HaltedProgram program(arguments);
+  REQUIRE(program.wait_for_progress());
+  program.send(SIGINT);
+  program.drain();
+  CHECK(program.outcome().exit_code == 5);
   CHECK(folder.names() == std::vector<std::string>{"seed1.exr", "seed2.exr"});
 }
