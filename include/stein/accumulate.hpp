@@ -83,6 +83,7 @@ class Accumulator {
  private:
   static constexpr std::size_t kObservations = 0, kSamples = 1, kRejected = 2, kRepaired = 3, kMeans = 4;
   static constexpr std::size_t kHalf = 4;  // values of a half: samples, mean R, G, B
+  static constexpr double kLargest = std::numeric_limits<float>::max();
 
   // What goes into a record: a sample, an estimate or another record.
   template <class Value>
@@ -97,10 +98,7 @@ class Accumulator {
   // The exponent's bits: under -ffast-math a compiler may take std::isfinite to be true.
   static bool finite(float v) noexcept { return (std::bit_cast<std::uint32_t>(v) & 0x7F800000U) != 0x7F800000U; }
   static bool finite(double v) noexcept { return ((std::bit_cast<std::uint64_t>(v) >> 52U) & 0x7FFU) != 0x7FFU; }
-  static float to_float(double v) noexcept {
-    constexpr double kLargest = std::numeric_limits<float>::max();
-    return static_cast<float>(std::clamp(v, -kLargest, kLargest));
-  }
+  static float to_float(double v) noexcept { return static_cast<float>(std::clamp(v, -kLargest, kLargest)); }
 
   // Where the deviations have the covariance of a colour channel with a channel after it.
   [[nodiscard]] std::size_t pair(std::size_t colour, std::size_t channel) const noexcept {
@@ -161,11 +159,11 @@ inline bool Accumulator::add(int x, int y, const Estimate& e) noexcept {
 
 inline void Accumulator::merge(const Accumulator& other) {
   const auto shape = [](const Accumulator& a) {
-    return std::to_string(a.width_) + "x" + std::to_string(a.height_) + " of " + std::to_string(a.channels_) +
-           " channels";
+    return std::to_string(a.width_) + "x" + std::to_string(a.height_) + "x" + std::to_string(a.channels_);
   };
   if (other.width_ != width_ || other.height_ != height_ || !(other.layout_ == layout_)) {
-    throw Error(ErrorCode::kInvalidArgument, "Accumulator::merge: " + shape(other) + " does not fit " + shape(*this) +
+    throw Error(ErrorCode::kInvalidArgument, "Accumulator::merge: " + shape(other) + " values do not fit " +
+                                                 shape(*this) +
                                                  "; size, features, covariances and halves must be the same");
   }
   merge(other.state());

@@ -219,7 +219,7 @@ TEST_CASE("accumulator: what does not fit is refused") {
   expect_refusal("albedo", [] { Accumulator(2, 2, {.features = {{"albedo", 3}, {"albedo", 1}}}); });
   expect_refusal("5 channels", [] { Accumulator(2, 2, {.features = {{"albedo", 5}}}); });
   expect_refusal("2x1", [&] { film.merge(Accumulator(2, 1, usual_layout())); });
-  expect_refusal("3 channels", [&] { film.merge(Accumulator(2, 2, {})); });
+  expect_refusal("2x2x3", [&] { film.merge(Accumulator(2, 2, {})); });
   const std::vector<double> state(7);
   expect_refusal("7 values", [&] { film.merge(state); });
 }
