@@ -42,6 +42,20 @@ void check_names(const exr::SampleReader& samples, const std::vector<std::string
   }
 }
 
+/// Components keep the names that they have in the file.
+void add_names(const exr::SampleLayer& layer, std::map<std::string, std::string>& names) {
+  const Feature feature{layer.name, std::vector<ConstPlaneView>(layer.channels.size()), {}, {}};
+  for (std::size_t k = 0; k < layer.channels.size(); ++k) {
+    const std::string& channel = layer.channels[k];
+    const std::string conventional = plane_name(feature, k, false);
+    names[conventional] = channel;
+    names[plane_name(feature, k, true)] = layer.name + ".variance" + channel.substr(layer.name.size());
+    for (const std::string colour : {"R", "G", "B"}) {
+      names["covariance." + colour + "." + conventional] = "covariance." + colour + "." + channel;
+    }
+  }
+}
+
 }  // namespace
 
 SamplePlan plan_samples(const exr::SampleReader& samples, const std::vector<std::string>& leave_out, bool covariances) {
@@ -52,9 +66,7 @@ SamplePlan plan_samples(const exr::SampleReader& samples, const std::vector<std:
     const bool named = std::find(leave_out.begin(), leave_out.end(), layer.name) != leave_out.end();
     if (layer.kind == Kind::kFeature && !named) {
       plan.layout.features.push_back({layer.name, static_cast<int>(layer.channels.size())});
-      for (const std::string& channel : layer.channels) {
-        plan.components[layer.name].push_back(channel.substr(layer.name.size() + 1));
-      }
+      add_names(layer, plan.names);
     } else if (layer.kind != Kind::kColour) {
       plan.left_out.push_back(layer.name);
       continue;
@@ -100,6 +112,17 @@ void AccumulatedRows::add_row(Accumulator& band, int row) {
     counts_.fewest = std::min(counts_.fewest, count);
     counts_.most = std::max(counts_.most, count);
   }
+}
+
+std::vector<NamedView> AccumulatedRows::planes() const {
+  std::vector<NamedView> planes = named_planes(moments_->frame());
+  for (auto& [name, view] : planes) {
+    const auto found = plan_.names.find(name);
+    if (found != plan_.names.end()) {
+      name = found->second;
+    }
+  }
+  return planes;
 }
 
 void AccumulatedRows::count_pixels() {

@@ -4,22 +4,25 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "frame_planes.hpp"
 #include "stein/accumulate.hpp"
 #include "stein/exr_samples.hpp"
 
 namespace stein::cli {
 
+using NamedView = std::pair<std::string, ConstPlaneView>;
+
 /// Which layers of the samples go into the planes.
 struct SamplePlan {
   SampleLayout layout;
-  Components components;
-  std::vector<std::string> channels;  ///< to read, in the order of the layout
-  std::vector<std::string> left_out;  ///< names of layers
+  std::map<std::string, std::string> names;  ///< of planes in the output, by their conventional ones
+  std::vector<std::string> channels;         ///< to read, in the order of the layout
+  std::vector<std::string> left_out;         ///< names of layers
 };
 
 /// Features, but for those that are named.
@@ -46,7 +49,7 @@ class AccumulatedRows {
 
   [[nodiscard]] int rows_done() const noexcept { return rows_done_; }
   /// Of the rows at hand.
-  [[nodiscard]] std::vector<NamedView> planes() const { return all_planes(moments_->frame(), plan_.components); }
+  [[nodiscard]] std::vector<NamedView> planes() const;
   [[nodiscard]] const SampleCounts& counts() const noexcept { return counts_; }
 
  private:

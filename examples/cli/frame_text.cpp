@@ -29,15 +29,17 @@ std::string size_text(const exr::LoadedFrame& input) {
 }
 
 std::string samples_text(const Frame& frame) {
+  std::string text;
   if (!frame.sample_count) {
-    return number_text(frame.uniform_sample_count) + " per pixel";
-  }
-  const PlaneStatistics count = statistics(frame.sample_count);
-  std::string text = number_text(count.minimum);
-  if (count.maximum > count.minimum) {
-    text += " to " + number_text(count.maximum) + " per pixel, mean " + number_text(count.mean);
+    text = number_text(frame.uniform_sample_count) + " per pixel";
   } else {
-    text += " per pixel";
+    const PlaneStatistics count = statistics(frame.sample_count);
+    const bool varies = count.maximum > count.minimum;
+    text = number_text(count.minimum) + (varies ? " to " + number_text(count.maximum) : "") + " per pixel";
+    if (varies) text += ", mean " + number_text(count.mean);
+  }
+  if (frame.degrees_of_freedom > 0) {
+    text += ", variances with " + number_text(frame.degrees_of_freedom) + " degrees of freedom";
   }
   return text;
 }

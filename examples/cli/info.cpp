@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "frame_planes.hpp"
 #include "frame_text.hpp"
 #include "plane_statistics.hpp"
 #include "stein/exr.hpp"
@@ -41,7 +40,7 @@ void print_text(const exr::LoadedFrame& input, const FrameReport& report) {
                 channel.role.empty() ? "not used, carried over" : channel.role.c_str());
   }
   std::printf("\n%-28s %12s %12s %12s %10s\n", "planes", "min", "mean", "max", "non-finite");
-  for (const auto& [name, plane] : all_planes(frame)) {
+  for (const auto& [name, plane] : named_planes(frame)) {
     const PlaneStatistics s = statistics(plane);
     std::printf("  %-26s %12.5g %12.5g %12.5g %10lld\n", name.c_str(), s.minimum, s.mean, s.maximum,
                 static_cast<long long>(s.non_finite));
@@ -53,11 +52,15 @@ void print_text(const exr::LoadedFrame& input, const FrameReport& report) {
 }
 
 nlohmann::ordered_json samples_json(const Frame& frame) {
-  if (!frame.sample_count) {
-    return {{"min", frame.uniform_sample_count}, {"max", frame.uniform_sample_count}};
+  nlohmann::ordered_json json = {{"min", frame.uniform_sample_count}, {"max", frame.uniform_sample_count}};
+  if (frame.sample_count) {
+    const PlaneStatistics count = statistics(frame.sample_count);
+    json = {{"min", count.minimum}, {"max", count.maximum}};
   }
-  const PlaneStatistics count = statistics(frame.sample_count);
-  return {{"min", count.minimum}, {"max", count.maximum}};
+  if (frame.degrees_of_freedom > 0) {
+    json["degrees_of_freedom"] = frame.degrees_of_freedom;
+  }
+  return json;
 }
 
 void print_json(const exr::LoadedFrame& input, const FrameReport& report) {
@@ -72,7 +75,7 @@ void print_json(const exr::LoadedFrame& input, const FrameReport& report) {
     channels.push_back({{"part", c.part}, {"name", c.name}, {"type", c.type}, {"role", c.role}});
   }
   Json planes = Json::object();
-  for (const auto& [name, plane] : all_planes(frame)) {
+  for (const auto& [name, plane] : named_planes(frame)) {
     const PlaneStatistics s = statistics(plane);
     planes[name] = {{"min", s.minimum}, {"mean", s.mean}, {"max", s.maximum}, {"non_finite", s.non_finite}};
   }

@@ -22,6 +22,7 @@ constexpr Verb kVerbs[] = {
     {"accumulate", "Turn a file of raw samples into one that can be denoised", stein::cli::add_accumulate},
     {"info", "Show what is understood of a file, and what it lacks", stein::cli::add_info},
     {"compare", "Measure an image against a reference", stein::cli::add_compare},
+    {"merge", "Make one image with variances out of several renders of a view", stein::cli::add_merge},
     {"preview", "Turn a layer of a file into a PNG picture", stein::cli::add_preview},
 };
 
@@ -31,6 +32,7 @@ constexpr const char* kFooter =
     "  stein accumulate samples.exr -o noisy.exr\n"
     "  stein info noisy.exr\n"
     "  stein compare clean.exr reference.exr\n"
+    "  stein merge seed0.exr seed1.exr seed2.exr seed3.exr -o noisy.exr\n"
     "  stein preview clean.exr -o error.png --layer error\n"
     "\n"
     "'stein VERB --help' describes the options of a verb.\n"

@@ -15,6 +15,7 @@ namespace stein::cli {
 [[nodiscard]] Action add_accumulate(CLI::App& verb);
 [[nodiscard]] Action add_info(CLI::App& verb);
 [[nodiscard]] Action add_compare(CLI::App& verb);
+[[nodiscard]] Action add_merge(CLI::App& verb);
 [[nodiscard]] Action add_preview(CLI::App& verb);
 
 }  // namespace stein::cli

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "cancel.hpp"
-#include "frame_planes.hpp"
 #include "output_file.hpp"
 #include "parsing.hpp"
 #include "progress.hpp"
@@ -23,6 +22,7 @@
 #include "stein/error.hpp"
 #include "stein/exr.hpp"
 #include "stein/exr_samples.hpp"
+#include "stein/frame.hpp"
 
 namespace pathtracer {
 namespace {
@@ -131,7 +131,7 @@ void run(const Options& options) {
   progress->show(0);
   render(options, renderer, film, execution);
   stein::cli::check_not_interrupted();
-  stein::exr::write_planes(options.output, stein::cli::all_planes(film.moments().frame()));
+  stein::exr::write_planes(options.output, stein::named_planes(film.moments().frame()));
   progress.reset();
   if (!options.quiet) {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;

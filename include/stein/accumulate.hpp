@@ -83,6 +83,7 @@ class Accumulator {
  private:
   static constexpr std::size_t kObservations = 0, kSamples = 1, kRejected = 2, kRepaired = 3, kMeans = 4;
   static constexpr std::size_t kHalf = 4;  // values of a half: samples, mean R, G, B
+  static constexpr double kLargest = std::numeric_limits<float>::max();
 
   // What goes into a record: a sample, an estimate or another record.
   template <class Value>
@@ -97,10 +98,7 @@ class Accumulator {
   // The exponent's bits: under -ffast-math a compiler may take std::isfinite to be true.
   static bool finite(float v) noexcept { return (std::bit_cast<std::uint32_t>(v) & 0x7F800000U) != 0x7F800000U; }
   static bool finite(double v) noexcept { return ((std::bit_cast<std::uint64_t>(v) >> 52U) & 0x7FFU) != 0x7FFU; }
-  static float to_float(double v) noexcept {
-    constexpr double kLargest = std::numeric_limits<float>::max();
-    return static_cast<float>(std::clamp(v, -kLargest, kLargest));
-  }
+  static float to_float(double v) noexcept { return static_cast<float>(std::clamp(v, -kLargest, kLargest)); }
 
   // Where the deviations have the covariance of a colour channel with a channel after it.
   [[nodiscard]] std::size_t pair(std::size_t colour, std::size_t channel) const noexcept {
@@ -160,12 +158,13 @@ inline bool Accumulator::add(int x, int y, const Estimate& e) noexcept {
 }
 
 inline void Accumulator::merge(const Accumulator& other) {
+  const auto shape = [](const Accumulator& a) {
+    return std::to_string(a.width_) + "x" + std::to_string(a.height_) + "x" + std::to_string(a.channels_);
+  };
   if (other.width_ != width_ || other.height_ != height_ || !(other.layout_ == layout_)) {
-    throw Error(ErrorCode::kInvalidArgument,
-                "Accumulator::merge: " + std::to_string(other.width_) + "x" + std::to_string(other.height_) +
-                    " pixels of " + std::to_string(other.channels_) + " channels do not fit " + std::to_string(width_) +
-                    "x" + std::to_string(height_) + " of " + std::to_string(channels_) +
-                    "; size, features, covariances and halves must be the same");
+    throw Error(ErrorCode::kInvalidArgument, "Accumulator::merge: " + shape(other) + " values do not fit " +
+                                                 shape(*this) +
+                                                 "; size, features, covariances and halves must be the same");
   }
   merge(other.state());
 }
@@ -217,8 +216,7 @@ bool Accumulator::take(double* to, const Input<Value>& in) const noexcept {
   return true;
 }
 
-// Chan, Golub, LeVeque: both parts' deviations from their own means, and the distance of the means. Returns whether all
-// features were usable.
+// Both parts' deviations from their own means, and the means' distance. Returns whether all features were usable.
 template <class Value>
 bool Accumulator::combine(double* to, const Input<Value>& in) const noexcept {
   const double share = in.samples / (to[kSamples] + in.samples);
@@ -230,7 +228,7 @@ bool Accumulator::combine(double* to, const Input<Value>& in) const noexcept {
   std::array<double, 3> of_colour{};
   const auto add_channel = [&](std::size_t i, bool good) {
     const double distance = (good ? static_cast<double>(in.mean[i]) : 0.0) - mean[i];
-    const double scale = good && in.deviations != nullptr ? in.scale : 0;
+    const double scale = good ? in.scale : 0;  // 0 as well where there are no deviations within
     const auto within = [&](std::size_t moment) { return scale > 0 ? scale * in.deviations[moment] : 0.0; };
     if (i < 3) of_colour[i] = distance;
     mean[i] += share * distance;
@@ -278,7 +276,7 @@ inline float Accumulator::degrees_of_freedom() const noexcept {
   return differs && pixels > 0 ? static_cast<float>(sum / pixels) : 0.0F;
 }
 
-// The order of the planes is that of the record.
+// Planes come in the order of the record.
 inline void Accumulator::write_pixel(const double* from, float* to, std::size_t plane) const noexcept {
   const double weight = (from[kObservations] - 1) * from[kSamples];
   const double scale = weight > 0 ? 1 / weight : 0;

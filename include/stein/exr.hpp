@@ -28,6 +28,8 @@ struct ReadOptions {
   float samples_per_pixel = 0;
   bool read_covariances = true;
   bool read_extra_layers = false;  ///< alpha and further colour layers into the Frame
+  /// false: a file without variances of the colour is read as well. Its frame lacks them, so that `check` refuses it.
+  bool require_variance = true;
 };
 
 /// A frame read from a file together with the memory that its views look at. Movable; the views stay valid.
@@ -93,6 +95,11 @@ struct WriteOptions {
 /// @throws Error kIo naming the file; kInvalidArgument if the result is not of the source's size.
 void write_result(const std::string& path, const LoadedFrame& source, const DenoiseResult& result,
                   const WriteOptions& options = {});
+
+/// Writes a frame in the native schema in place of the one in `source`; everything else of `source` is carried over as
+/// by `write_result`, its earlier results and noisy colours left out.
+/// @throws Error kInvalidFrame, kIo naming the file, kInvalidArgument if the frame is not of the source's size.
+void write_frame(const std::string& path, const Frame& frame, const LoadedFrame& source);
 
 /// A plain file of named float planes of one size, written whole or not at all.
 void write_planes(const std::string& path, const std::vector<std::pair<std::string, ConstPlaneView>>& planes);

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "stein/plane.hpp"
@@ -81,6 +82,9 @@ void check(const Frame& frame);
 /// `inspect`, then throws on the first pixel or feature value that would be repaired.
 /// @throws Error kInvalidFrame naming plane, pixel and value.
 void check_strict(const Frame& frame);
+
+/// Every plane that the frame has, under its name in files (docs/inputs.md).
+[[nodiscard]] std::vector<std::pair<std::string, ConstPlaneView>> named_planes(const Frame& frame);
 
 /// "variance.G" and the like, for messages.
 [[nodiscard]] std::string plane_name(const Feature& feature, std::size_t channel, bool is_variance);

@@ -57,6 +57,10 @@ void check_counts(const Frame& frame) {
     fail(frame,
          "the number of samples per pixel is unknown; supply the plane 'sampleCount' or a uniform sample count >= 1");
   }
+  if (!(frame.degrees_of_freedom >= 0) || !std::isfinite(frame.degrees_of_freedom)) {
+    fail(frame, "the variances' degrees of freedom are " + std::to_string(frame.degrees_of_freedom) +
+                    "; they must be positive, or 0 where each pixel has one less than samples");
+  }
 }
 
 void check_feature(const Frame& frame, const Feature& feature) {

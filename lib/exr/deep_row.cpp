@@ -99,7 +99,6 @@ DeepRow::DeepRow(const Imf::Header& header)
 }
 
 void DeepRow::decode(const char* chunk, std::size_t size) {
-  if (size < kHeaderBytes) fail("its chunk is too short: the file is damaged");
   // OpenEXR has brought these to the machine's byte order.
   std::uint64_t table = 0;
   std::uint64_t packed = 0;

@@ -21,8 +21,8 @@ class DeepRow {
 
   explicit DeepRow(const Imf::Header& header);
 
-  /// Decodes a chunk of `size` bytes: counts first, then, once these are known to fit, the samples. Throws
-  /// std::runtime_error with the reason, before it asks for memory that the chunk cannot fill.
+  /// Decodes a chunk of `size` bytes, at least kHeaderBytes: counts first, then, once these are known to fit, the
+  /// samples. Throws std::runtime_error with the reason, before it asks for memory that the chunk cannot fill.
   void decode(const char* chunk, std::size_t size);
 
   [[nodiscard]] const std::vector<std::uint32_t>& counts() const noexcept { return counts_; }

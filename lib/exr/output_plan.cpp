@@ -35,6 +35,8 @@ bool is_carried(Role role, const OutputRules& rules) {
     case Role::kFeatureCovariance:
     case Role::kSampleCount:
       return rules.keep_inputs;
+    case Role::kFeatureMean:
+      return !rules.replace_frame;
     case Role::kNoisyColour:
       return !rules.replace_noisy;
     default:
@@ -53,14 +55,19 @@ bool speaks_of_storage(std::string_view attribute, bool is_deep) {
   return is_deep && (attribute == "version" || attribute == "maxSamplesPerPixel" || attribute == "deepImageState");
 }
 
+bool speaks_of_samples(std::string_view attribute) {
+  return attribute == kSamplesPerPixel || attribute == kDegreesOfFreedom;
+}
+
 }  // namespace
 
-Imf::Header scanline_header(const Imf::Header& source) {
+Imf::Header scanline_header(const Imf::Header& source, bool keep_samples) {
   const bool is_deep = source.hasType() && Imf::isDeepData(source.type());
   Imf::Header header;
   for (auto it = source.begin(); it != source.end(); ++it) {
     const std::string name = it.name();
-    if (!speaks_of_storage(name, is_deep)) header.insert(name, it.attribute());
+    if (speaks_of_storage(name, is_deep) || (!keep_samples && speaks_of_samples(name))) continue;
+    header.insert(name, it.attribute());
   }
   header.setType(Imf::SCANLINEIMAGE);
   header.lineOrder() = Imf::INCREASING_Y;
@@ -85,7 +92,7 @@ std::vector<PartPlan> plan_output(const SourceFile& source, const Layout& layout
     if (!is_main && next.carried.empty() && !next.copied) continue;
     if (!next.copied) {
       const Imf::ChannelList& from = source.header(part).channels();
-      next.header = scanline_header(source.header(part));
+      next.header = scanline_header(source.header(part), !rules.replace_frame);
       for (const std::string& name : next.carried) next.header.channels().insert(name, from[name]);
     }
     if (is_main) {

@@ -13,9 +13,10 @@
 
 namespace stein::exr {
 
-/// The source's attributes, with the storage of flat scanlines from the top and no channels; ZIP where the source's
-/// compression is lossy. Not a copy without some: erasing an attribute leaks in OpenEXR 3.1.
-[[nodiscard]] Imf::Header scanline_header(const Imf::Header& source);
+/// The source's attributes, those that speak of samples per pixel if asked for, with the storage of flat scanlines from
+/// the top and no channels; ZIP where the source's compression is lossy. Not a copy without some: erasing an attribute
+/// leaks in OpenEXR 3.1.
+[[nodiscard]] Imf::Header scanline_header(const Imf::Header& source, bool keep_samples);
 
 struct PartPlan {
   int source_part = 0;
@@ -27,6 +28,7 @@ struct PartPlan {
 struct OutputRules {
   bool keep_inputs = false;
   bool replace_noisy = false;
+  bool replace_frame = false;  ///< nothing of the source's frame is kept: neither its features nor its sample count
   std::vector<std::pair<std::string, Imf::PixelType>> new_channels;  ///< of the main part
 };
 

@@ -22,7 +22,7 @@ using PlaneRows = std::vector<std::pair<std::string, ConstPlaneView>>;
 }
 
 Imf::Header header_for(const Imf::Header& source, const std::vector<std::string>& channels) {
-  Imf::Header header = scanline_header(source);
+  Imf::Header header = scanline_header(source, false);
   header.compression() = Imf::ZIP_COMPRESSION;
   for (const std::string& name : channels) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
   return header;

@@ -29,6 +29,7 @@ class FrameReader {
     data_.frame.height = height_of(main);
     data_.frame.origin = file_.path();
     find_sample_count();
+    data_.frame.degrees_of_freedom = attribute(kDegreesOfFreedom);
     choose_planes();
     read_planes();
     fill_frame();
@@ -53,10 +54,11 @@ class FrameReader {
                                          ". Rename the channels to stein's names (docs/inputs.md)");
     }
     missing = absent(layout_.variance, "variance.");
-    if (!missing.empty()) {
+    const bool has_some = std::any_of(layout_.variance.begin(), layout_.variance.end(), [](int i) { return i >= 0; });
+    if (!missing.empty() && (options_.require_variance || has_some)) {
       fail(ErrorCode::kInvalidFrame, "it has no " + missing +
-                                         ", the variance of the mean colour; have the renderer write it, or accumulate "
-                                         "it from the samples (docs/inputs.md); it has " +
+                                         ", the variance of the mean colour; have the renderer write it, accumulate it "
+                                         "from the samples, or merge several renders (docs/inputs.md); it has " +
                                          some_names());
     }
   }
@@ -79,7 +81,7 @@ class FrameReader {
 
   void find_sample_count() {
     if (layout_.sample_count >= 0) return;
-    const float stated = stated_samples();
+    const float stated = attribute(kSamplesPerPixel);
     if (stated < 1 && options_.samples_per_pixel < 1) {
       fail(ErrorCode::kInvalidFrame,
            "it has neither a channel sampleCount nor an attribute samplesPerPixel; pass the number of samples per "
@@ -91,16 +93,16 @@ class FrameReader {
                             (stated >= 1 ? "the attribute samplesPerPixel says" : "given"));
   }
 
-  /// The attribute samplesPerPixel; 0 where there is none that can be used.
-  [[nodiscard]] float stated_samples() const {
+  /// A number of the header; 0 where there is none that is positive.
+  [[nodiscard]] float attribute(const char* name) const {
     const Imf::Header& header = file_.header(layout_.main_part);
-    float samples = 0;
-    if (const auto* whole = header.findTypedAttribute<Imf::IntAttribute>("samplesPerPixel")) {
-      samples = static_cast<float>(whole->value());
-    } else if (const auto* real = header.findTypedAttribute<Imf::FloatAttribute>("samplesPerPixel")) {
-      samples = real->value();
+    float value = 0;
+    if (const auto* whole = header.findTypedAttribute<Imf::IntAttribute>(name)) {
+      value = static_cast<float>(whole->value());
+    } else if (const auto* real = header.findTypedAttribute<Imf::FloatAttribute>(name)) {
+      value = real->value();
     }
-    return std::isfinite(samples) && samples >= 1 ? samples : 0;
+    return std::isfinite(value) && value > 0 ? value : 0;
   }
 
   void choose_planes() {

@@ -100,6 +100,9 @@ void SampleReader::Data::read_chunk(int y) {
     if (bytes > static_cast<std::uint64_t>(file.size())) {
       throw std::runtime_error("its chunk claims to be longer than the file: it is truncated or damaged");
     }
+    // OpenEXR adds up what the file says, beyond 2^64, and writes its header into whatever it is given.
+    if (bytes < DeepRow::kHeaderBytes)
+      throw std::runtime_error("its chunk claims an impossible size: the file is damaged");
     chunk.resize(bytes);
     input->rawPixelData(y, chunk.data(), bytes);
   } catch (const Error& error) {  // of the stream, which knows of no rows

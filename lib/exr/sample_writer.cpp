@@ -87,6 +87,8 @@ struct SampleWriter::Data {
   void point_at(const std::uint32_t* row_counts, const float* row) {
     const std::size_t pixels = counts.size();
     std::copy_n(row_counts, pixels, counts.begin());
+    std::fill(samples.begin(), samples.end(), nullptr);
+    if (row == nullptr) return;  // no samples
     for (std::size_t x = 0; x < pixels; ++x) {
       for (std::size_t k = 0; k < channels.size(); ++k) samples[k * pixels + x] = row + k;
       row += row_counts[x] * channels.size();
@@ -128,6 +130,7 @@ void SampleWriter::write_row(const std::uint32_t* counts, const float* samples) 
                         std::to_string(data.channels.size()) +
                         " channels, more than the 2^31 bytes that a row can have; write fewer samples per file");
   }
+  if (samples == nullptr && total > 0) fail(data.path, "samples are counted, but none are given");
   with_io_errors("write '" + data.path + "'", [&] {
     data.point_at(counts, samples);
     data.part->writePixels(1);

@@ -27,6 +27,10 @@ enum class Role : std::uint8_t {
   kNoisyColour,    ///< the input of an earlier run
 };
 
+// Attributes of the part with the colour.
+constexpr const char* kSamplesPerPixel = "samplesPerPixel";          ///< where there is no channel sampleCount
+constexpr const char* kDegreesOfFreedom = "stein:degreesOfFreedom";  ///< Frame::degrees_of_freedom, float
+
 enum class VarianceOf : std::uint8_t { kNothing, kMean };
 
 /// Tokens of a pattern, separated by dots: `<C>` is R, G or B; `<feature>` one or more name parts; `<c>` one name part;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <ImfFloatAttribute.h>
+
 #include <algorithm>
 
 #include "exr/loaded_frame.hpp"
@@ -74,7 +76,47 @@ void write_parts(SourceFile& file, const std::vector<PartPlan>& plan, int main_p
   }
 }
 
+std::vector<MemoryChannel> frame_channels(const Frame& frame) {
+  std::vector<MemoryChannel> channels;
+  for (const auto& [name, view] : named_planes(frame)) channels.push_back({name, pixel_type(view.type()), view});
+  return channels;
+}
+
+void insert_counts(const Frame& frame, Imf::Header& header) {
+  if (!frame.sample_count) header.insert(kSamplesPerPixel, Imf::FloatAttribute(frame.uniform_sample_count));
+  if (frame.degrees_of_freedom > 0) header.insert(kDegreesOfFreedom, Imf::FloatAttribute(frame.degrees_of_freedom));
+}
+
+void write_whole(const std::string& path, SourceFile& file, const std::vector<PartPlan>& plan, int main_part,
+                 const std::vector<MemoryChannel>& channels) {
+  ReplacingFile target(path);
+  write_parts(file, plan, main_part, channels, target.stream());
+  target.commit();
+}
+
 }  // namespace
+
+void write_frame(const std::string& path, const Frame& frame, const LoadedFrame& source) {
+  check(frame);
+  if (frame.width != source.frame().width || frame.height != source.frame().height) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "cannot write '" + path + "': the frame has " + std::to_string(frame.width) + " x " +
+                    std::to_string(frame.height) + " pixels, but the source '" + source.path() + "' has " +
+                    std::to_string(source.frame().width) + " x " + std::to_string(source.frame().height));
+  }
+  const std::vector<MemoryChannel> channels = frame_channels(frame);
+  with_io_errors("write '" + path + "' from '" + source.path() + "'", [&] {
+    SourceFile file(source.path());
+    const Layout layout = reopened_layout(file, source);
+    OutputRules rules{false, true, true, {}};
+    for (const MemoryChannel& channel : channels) rules.new_channels.emplace_back(channel.name, channel.type);
+    std::vector<PartPlan> plan = plan_output(file, layout, rules);
+    for (PartPlan& part : plan) {
+      if (part.source_part == layout.main_part) insert_counts(frame, part.header);
+    }
+    write_whole(path, file, plan, layout.main_part, channels);
+  });
+}
 
 void write_result(const std::string& path, const LoadedFrame& source, const DenoiseResult& result,
                   const WriteOptions& options) {
@@ -82,12 +124,10 @@ void write_result(const std::string& path, const LoadedFrame& source, const Deno
   with_io_errors("write '" + path + "' from '" + source.path() + "'", [&] {
     SourceFile file(source.path());
     const Layout layout = reopened_layout(file, source);
-    OutputRules rules{options.inputs, options.noisy, {}};
+    OutputRules rules{options.inputs, options.noisy, false, {}};
     for (const MemoryChannel& channel : channels) rules.new_channels.emplace_back(channel.name, channel.type);
     const std::vector<PartPlan> plan = plan_output(file, layout, rules);
-    ReplacingFile target(path);
-    write_parts(file, plan, layout.main_part, channels, target.stream());
-    target.commit();
+    write_whole(path, file, plan, layout.main_part, channels);
   });
 }
 

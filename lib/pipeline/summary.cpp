@@ -12,6 +12,8 @@
 namespace stein {
 namespace {
 
+constexpr float kFewDegrees = 3.0F;
+
 // Sums of one row, in double; rows are added in order, so that threads do not change the result.
 struct RowSums {
   std::array<double, 3> error{};
@@ -102,6 +104,10 @@ void add_warnings(const Frame& frame, DenoiseReport& report) {
     warn(report, found.single_sample_pixels,
          " pixels have one sample: their variance cannot come from it, and the estimated error is only as good as what "
          "was given");
+  }
+  if (frame.degrees_of_freedom > 0 && frame.degrees_of_freedom < kFewDegrees) {
+    warn(report, "the variances have ", frame.degrees_of_freedom,
+         " degrees of freedom: choice and estimated error are uncertain; merge four renders or more");
   }
   if (frame.features.empty()) warn(report, "there are no features; edges are not protected");
 }

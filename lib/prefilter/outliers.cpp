@@ -50,11 +50,18 @@ Neighbour brightest_neighbour(const BrightnessRow* const (&rows)[3], std::size_t
   return best;
 }
 
+// By how much more a standard error of few degrees of freedom has to be exceeded: about the ratio of the quantiles of
+// Student's t and of the normal distribution at two standard errors.
+float student_factor(float degrees_of_freedom) {
+  return degrees_of_freedom > 0 ? 1.0F + 2.0F / degrees_of_freedom : 1.0F;
+}
+
 OutlierReport outliers_of_row(const Source& source, const OutlierParams& params, int y) {
   const BrightnessRow above = load_brightness(source, y - 1);
   const BrightnessRow here = load_brightness(source, y);
   const BrightnessRow below = load_brightness(source, y + 1);
   const BrightnessRow* const rows[3] = {&above, &here, &below};
+  const float support = params.support * student_factor(source.frame().degrees_of_freedom);
   OutlierReport report;
   for (std::size_t x = 1; x + 1 < here.mean.size(); ++x) {
     const float mean = here.mean[x];
@@ -65,8 +72,7 @@ OutlierReport outliers_of_row(const Source& source, const OutlierParams& params,
       continue;
     const Neighbour neighbour = brightest_neighbour(rows, x);
     const float excess = mean - neighbour.mean;
-    if (!neighbour.found || excess <= params.excess * neighbour.error || excess >= params.support * here.error[x])
-      continue;
+    if (!neighbour.found || excess <= params.excess * neighbour.error || excess >= support * here.error[x]) continue;
     const float scale = std::max(neighbour.mean, 0.0F) / mean;
     ReplacedPixel pixel{static_cast<int>(x) - 1, y, {}, true};
     for (std::size_t c = 0; c < 3; ++c) {

@@ -20,6 +20,7 @@ struct OutlierReport {
 ///   - the largest m of its valid neighbours' (8-neighbourhood) by more than `excess` of that neighbour's standard
 ///   errors, and
 ///   - m by less than `support` of its own standard errors: its samples do not agree that it is brighter.
+///     Standard errors of few degrees of freedom d (Frame::degrees_of_freedom) count 1 + 2 / d times.
 /// It is scaled down to m, which takes less than `support` of its own standard errors away: with more samples that
 /// vanishes.
 [[nodiscard]] OutlierReport find_outliers(const Source& source, const OutlierParams& params, exec::Runner& runner);

@@ -18,6 +18,10 @@ constexpr float kNoInformation = 1e10F;
 // Scaled features are clipped to this: the square of their difference stays finite, and far below kNoInformation.
 constexpr float kLargest = 1e4F;
 constexpr float kMostSamples = 1e9F;
+// What the neighbours' mean weighs next to a feature's variance of few degrees of freedom, in degrees of freedom, and
+// how far they are away; measured (docs/inputs.md).
+constexpr float kNeighbourDegrees = 3.0F;
+constexpr int kNeighbourRadius = 2;
 
 // Values at some 2^16 pixels spread evenly over the plane, finite ones only. The step has no factor in common with the
 // width, so that all columns take part.
@@ -212,6 +216,60 @@ void Source::mask_row(int y, int x, int count, float* out) const {
   for_each_replaced(y, x, count, [&](const ReplacedPixel& p, int i) { out[i] = p.is_source ? 1.0F : 0.0F; });
 }
 
+// Per-sample variance of the group as the frame has it, in normalised units.
+void Source::group_variance_row(std::size_t feature, int y, int x, int count, float* out) const {
+  const Feature& source = frame_.features[feature];
+  const float scale = feature_scales_[feature];
+  const float variance_scale = scale * scale / static_cast<float>(source.mean.size());
+  float n[kChunk];
+  float v[kChunk];
+  std::fill_n(out, count, 0.0F);
+  for (int start = 0; start < count && !source.variance.empty(); start += kChunk) {
+    const int part = std::min(kChunk, count - start);
+    sample_count_row(frame_, y, x + start, part, n);
+    for (int i = 0; i < part; ++i) n[i] = n[i] > 0.0F ? std::min(n[i], kMostSamples) : 0.0F;  // 0 where it is no number
+    for (const ConstPlaneView& plane : source.variance) {
+      plane.read_row(y, x + start, part, v);
+      // Eq. 6 of SBF speaks of the samples' variance, the frame holds that of the mean.
+      for (int i = 0; i < part; ++i) out[start + i] += std::min(v[i] * n[i] * variance_scale, kNoInformation);
+    }
+  }
+}
+
+// A variance of few degrees of freedom is often far too small, and a feature that seems exact keeps its pixel alone:
+// where the neighbours know of more, it is raised towards their mean. Lowering those that are too large as well does
+// harm, because at edges they are right.
+void Source::raise_variance_row(std::size_t feature, int y, int x, int count, float* variance) const {
+  constexpr int kMargin = 2 * kNeighbourRadius;
+  const float degrees = frame_.degrees_of_freedom;
+  for (int start = 0; start < count; start += kChunk) {
+    const int part = std::min(kChunk, count - start);
+    float sum[kChunk] = {};
+    float found[kChunk] = {};
+    float row[kChunk + kMargin];
+    const int first = std::max(x + start - kNeighbourRadius, 0);
+    const int end = std::min(x + start + part + kNeighbourRadius, frame_.width);
+    for (int v = std::max(y - kNeighbourRadius, 0); v <= std::min(y + kNeighbourRadius, frame_.height - 1); ++v) {
+      group_variance_row(feature, v, first, end - first, row);
+      for (int i = 0; i < part; ++i) {
+        const int at = x + start + i;
+        for (int u = std::max(at - kNeighbourRadius, first); u < std::min(at + kNeighbourRadius + 1, end); ++u) {
+          const float neighbour = row[u - first];
+          if (!(neighbour >= 0.0F && neighbour < kNoInformation)) continue;
+          sum[i] += neighbour;
+          found[i] += 1.0F;
+        }
+      }
+    }
+    for (int i = 0; i < part; ++i) {
+      const float mean = sum[i] / std::max(found[i], 1.0F);
+      const float own = variance[start + i];
+      const float weighted = (degrees * own + kNeighbourDegrees * mean) / (degrees + kNeighbourDegrees);
+      variance[start + i] = own < weighted ? weighted : own;
+    }
+  }
+}
+
 void Source::feature_row(std::size_t feature, float factor, int y, int x, int count, float* const* means,
                          float* variance) const {
   const Feature& source = frame_.features[feature];
@@ -222,20 +280,9 @@ void Source::feature_row(std::size_t feature, float factor, int y, int x, int co
     for (int i = 0; i < count; ++i) means[k][i] = std::clamp(means[k][i] * (scale * factor), -kLargest, kLargest);
     if (perturbation_) add_step(feature, k, factor, y, x, count, means[k]);
   }
-  std::fill_n(variance, count, 0.0F);
-  float n[kChunk];
+  group_variance_row(feature, y, x, count, variance);
+  if (frame_.degrees_of_freedom > 0) raise_variance_row(feature, y, x, count, variance);
   float v[kChunk];
-  const float variance_scale = scale * scale / static_cast<float>(channels);
-  for (int start = 0; start < count && !source.variance.empty(); start += kChunk) {
-    const int part = std::min(kChunk, count - start);
-    sample_count_row(frame_, y, x + start, part, n);
-    for (int i = 0; i < part; ++i) n[i] = n[i] > 0.0F ? std::min(n[i], kMostSamples) : 0.0F;  // 0 where it is no number
-    for (const ConstPlaneView& plane : source.variance) {
-      plane.read_row(y, x + start, part, v);
-      // Eq. 6 of SBF speaks of the samples' variance, the frame holds that of the mean.
-      for (int i = 0; i < part; ++i) variance[start + i] += std::min(v[i] * n[i] * variance_scale, kNoInformation);
-    }
-  }
   if (feature_has_bad_[feature] == 0) return;
   for (int start = 0; start < count; start += kChunk) {
     const int part = std::min(kChunk, count - start);

@@ -74,14 +74,16 @@ class Source {
   /// 1 at valid pixels, 0 at invalid ones.
   void mask_row(int y, int x, int count, float* out) const;
   /// Feature means times `factor`, one row per channel, and the per-sample variance of the group (the mean over its
-  /// channels), all in normalised units. Where the feature is unusable: means 0 and a variance that takes it out of any
-  /// distance.
+  /// channels), all in normalised units; raised towards its neighbours' where it has few degrees of freedom. Where the
+  /// feature is unusable: means 0 and a variance that takes it out of any distance.
   void feature_row(std::size_t feature, float factor, int y, int x, int count, float* const* means,
                    float* variance) const;
 
  private:
   template <class Visit>
   void for_each_replaced(int y, int x, int count, Visit visit) const;
+  void group_variance_row(std::size_t feature, int y, int x, int count, float* out) const;
+  void raise_variance_row(std::size_t feature, int y, int x, int count, float* variance) const;
   void add_step(std::size_t feature, std::size_t k, float factor, int y, int x, int count, float* mean) const;
 
   const Frame& frame_;

@@ -2,6 +2,7 @@
 //
 // Raw samples to planes: the moments, what is left out, and what becomes of damaged input and full disks.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <csignal>
 #include <cstdint>
@@ -13,6 +14,7 @@
 
 #include "catch.hpp"
 #include "program.hpp"
+#include "stein/exr.hpp"
 #include "stein/exr_samples.hpp"
 #include "synthetic.hpp"
 

@@ -27,7 +27,7 @@ TEST_CASE("help and version") {
   const Outcome general = run_stein({"--help"});
   CHECK(general.exit_code == 0);
   CHECK(general.out.find("Exit codes:") != std::string::npos);
-  for (const std::string verb : {"denoise", "accumulate", "info", "compare", "preview"}) {
+  for (const std::string verb : {"denoise", "accumulate", "info", "compare", "merge", "preview"}) {
     const Outcome help = run_stein({verb, "--help"});
     CHECK(help.exit_code == 0);
     CHECK(help.err.empty());

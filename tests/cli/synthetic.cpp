@@ -13,10 +13,10 @@ float& Channels::at(const std::string& name, int x, int y) {
                             static_cast<std::size_t>(x));
 }
 
-Channels noisy_image(int width, int height) {
+Channels noisy_image(int width, int height, unsigned seed) {
   Channels image{width, height, {}};
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  std::mt19937 random(7);
+  std::mt19937 random(seed);
   const auto noisy = [&](const std::string& mean, const std::string& variance, float left, float right,
                          float amplitude) {
     std::vector<float>& means = image.values[mean];

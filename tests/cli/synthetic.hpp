@@ -18,7 +18,7 @@ struct Channels {
 
 /// A noisy image of the native schema: colour, normal and albedo with variances, sampleCount 8, and a channel "id.Z"
 /// that stein does not know.
-[[nodiscard]] Channels noisy_image(int width, int height);
+[[nodiscard]] Channels noisy_image(int width, int height, unsigned seed = 7);
 
 /// R, G, B of one value.
 [[nodiscard]] Channels flat_image(int width, int height, float value);

@@ -2,6 +2,7 @@
 //
 // Damaged and hostile files of samples end in an Error, never in a crash, a huge allocation or silent zeros.
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <random>
 #include <string_view>
@@ -138,7 +139,7 @@ TEST_CASE("sample counts that the file cannot hold are refused before memory is 
     expect_error(ErrorCode::kIo, {path, "row y = 1", "100000000 samples", "cannot come out"}, [&] { read_all(path); });
   }
   SECTION("one more or less than there are") {
-    const std::uint32_t count = get<std::uint32_t>(bytes, last) + GENERATE(-1, 1);
+    const auto count = static_cast<std::uint32_t>(get<std::int32_t>(bytes, last) + GENERATE(-1, 1));
     put(bytes, last, count);
     write_bytes(path, bytes);
     expect_error(ErrorCode::kIo, {path, "row y = 1", "damaged"}, [&] { read_all(path); });
@@ -160,17 +161,22 @@ TEST_CASE("chunks of samples that claim impossible sizes are refused") {
       put(bytes, chunk + at, claim);
       write_bytes(path, bytes);
       INFO("offset " << at << " claims " << claim);
-      expect_error(ErrorCode::kIo, {path, "row y = 1"}, [&] { read_all(path); });
+      const char* why = claim == 5'000'000'000 ? "longer than the file" : "cannot read";
+      expect_error(ErrorCode::kIo, {path, "row y = 1", why}, [&] { read_all(path); });
     }
   }
-  // Sizes that exceed 2^64 in sum, and come out right.
-  Bytes bytes = whole;
+  // Sizes that exceed 2^64 in sum: what comes out is right, or too small for anything.
   const auto table = get<std::uint64_t>(whole, chunk + kTableSize);
   const auto packed = get<std::uint64_t>(whole, chunk + kPackedSize);
-  put(bytes, chunk + kTableSize, table - 1000);
-  put(bytes, chunk + kPackedSize, packed + 1000);
-  write_bytes(path, bytes);
-  expect_error(ErrorCode::kIo, {path, "row y = 1"}, [&] { read_all(path); });
+  const std::vector<std::array<std::uint64_t, 2>> sums = {{table - 1000, packed + 1000}, {table, 0 - table - 20}};
+  for (const auto& [table_claim, packed_claim] : sums) {
+    Bytes bytes = whole;
+    put(bytes, chunk + kTableSize, table_claim);
+    put(bytes, chunk + kPackedSize, packed_claim);
+    write_bytes(path, bytes);
+    expect_error(ErrorCode::kIo, {path, "row y = 1", table_claim == table ? "impossible size" : "contradict"},
+                 [&] { read_all(path); });
+  }
 }
 
 TEST_CASE("headers of samples that promise more than the file holds are refused") {

@@ -208,6 +208,8 @@ TEST_CASE("rows of a file of samples are counted") {
     const std::vector<std::uint32_t> many(kWidth, 100'000'000);
     expect_error(ErrorCode::kInvalidArgument, {path, "row 6", "900000000 samples", "2^31"},
                  [&] { writer.write_row(many.data(), nullptr); });
+    const std::vector<std::uint32_t> few(kWidth, 1);
+    expect_error(ErrorCode::kInvalidArgument, {path, "none are given"}, [&] { writer.write_row(few.data(), nullptr); });
     CHECK(folder.entries() == 1);  // the temporary one
   }
   CHECK(folder.entries() == 0);

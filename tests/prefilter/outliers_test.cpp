@@ -70,6 +70,16 @@ TEST_CASE("outliers: a pixel that its own samples support is none") {
   CHECK(find_one(1.51F, 1.0F, params).pixels.empty());
 }
 
+TEST_CASE("outliers: errors of few degrees of freedom support less") {
+  OwnedFrame frame(5, 5, {});
+  set_pixel(make_flat(frame, 1.0F, 0.1F), 2, 2, 3.9F, 1.0F);  // 2.9 standard errors above the others
+  CHECK(find(frame).pixels.empty());
+  frame.frame().degrees_of_freedom = 4;  // 3 are needed
+  CHECK(find(frame).pixels.size() == 1);
+  frame.frame().degrees_of_freedom = 5;  // 2.8
+  CHECK(find(frame).pixels.empty());
+}
+
 TEST_CASE("outliers: the brightest neighbour decides, in any of the eight places") {
   for (int place = 0; place < 9; ++place) {
     if (place == 4) continue;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "prefilter/source.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "catch.hpp"
@@ -220,6 +222,46 @@ TEST_CASE("source: huge features and variances stay finite when squared") {
   CHECK(row.means[1][5] == -1e4F);
   CHECK(row.variance[6] >= 1e9F);
   CHECK(row.variance[6] <= 1e11F);
+}
+
+TEST_CASE("source: a feature's variance of few degrees of freedom is raised towards its neighbours'") {
+  OwnedFrame frame(600, 7, {{"normal", 3}, {"depth", 1}});  // wider than what is worked on at a time
+  fill_random(frame, 4);
+  frame.at("depth.variance.Z", 511, 3) = 0;
+  frame.at("depth.variance.Z", 509, 2) = kNan;
+  frame.at("normal.variance.Y", 20, 3) = 100;
+  const Source plain(frame.frame(), inspect(frame.frame()));
+  frame.frame().degrees_of_freedom = 3;
+  const Source source(frame.frame(), inspect(frame.frame()));
+  int raised = 0;
+  for (std::size_t f = 0; f < 2; ++f) {
+    const FeatureRow found = feature_row(source, f, 1.0F, 3, 0, 600);
+    const FeatureRow before = feature_row(plain, f, 1.0F, 3, 0, 600);
+    for (int x = 0; x < 600; ++x) {
+      double sum = 0;
+      int neighbours = 0;
+      for (int v = 1; v <= 5; ++v) {
+        for (int u = std::max(x - 2, 0); u <= std::min(x + 2, 599); ++u) {
+          const double variance = per_sample_variance(plain, f, u, v);
+          if (!std::isfinite(variance)) continue;
+          sum += variance;
+          ++neighbours;
+        }
+      }
+      const double own = per_sample_variance(plain, f, x, 3);
+      const double expected = std::max(own, (3 * own + 3 * sum / neighbours) / 6);
+      INFO("feature " << f << " at " << x);
+      CHECK(found.variance[static_cast<std::size_t>(x)] == Approx(expected).epsilon(1e-5).margin(1e-12));
+      CHECK(found.means[0][static_cast<std::size_t>(x)] == before.means[0][static_cast<std::size_t>(x)]);
+      raised += expected > own * 1.0001 ? 1 : 0;
+    }
+    // Where a row begins and ends does not matter.
+    const FeatureRow part = feature_row(source, f, 1.0F, 3, 505, 20);
+    for (std::size_t i = 0; i < 20; ++i) CHECK(part.variance[i] == found.variance[505 + i]);
+  }
+  CHECK(raised > 100);
+  CHECK(feature_row(source, 0, 1.0F, 3, 20, 1).variance[0] == Approx(per_sample_variance(plain, 0, 20, 3)));
+  CHECK(feature_row(source, 1, 1.0F, 2, 509, 1).variance[0] > 1e9F);  // unusable, as without
 }
 
 }  // namespace stein::test

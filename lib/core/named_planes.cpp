@@ -1,36 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "frame_planes.hpp"
-
 #include <array>
 #include <cstddef>
 
-namespace stein::cli {
+#include "stein/frame.hpp"
+
+namespace stein {
 namespace {
+
+using NamedView = std::pair<std::string, ConstPlaneView>;
 
 constexpr std::array<const char*, 3> kColourNames = {"R", "G", "B"};
 
-void add_feature(const Feature& feature, const Components& components, std::vector<NamedView>& planes) {
-  const auto named = components.find(feature.name);
-  const auto name = [&](std::size_t channel, bool is_variance) {
-    if (named == components.end()) return plane_name(feature, channel, is_variance);
-    return feature.name + (is_variance ? ".variance." : ".") + named->second.at(channel);
-  };
+void add_feature(const Feature& feature, std::vector<NamedView>& planes) {
   const std::size_t channels = feature.mean.size();
   for (std::size_t k = 0; k < channels; ++k) {
-    planes.emplace_back(name(k, false), feature.mean[k]);
+    planes.emplace_back(plane_name(feature, k, false), feature.mean[k]);
   }
   for (std::size_t k = 0; k < feature.variance.size(); ++k) {
-    planes.emplace_back(name(k, true), feature.variance[k]);
+    planes.emplace_back(plane_name(feature, k, true), feature.variance[k]);
   }
   for (std::size_t i = 0; i < feature.colour_covariance.size(); ++i) {
     const std::string colour = kColourNames[i / channels];
-    planes.emplace_back("covariance." + colour + "." + name(i % channels, false), feature.colour_covariance[i]);
+    planes.emplace_back("covariance." + colour + "." + plane_name(feature, i % channels, false),
+                        feature.colour_covariance[i]);
   }
 }
 
 }  // namespace
 
-std::vector<NamedView> all_planes(const Frame& frame, const Components& components) {
+std::vector<NamedView> named_planes(const Frame& frame) {
   constexpr std::array<const char*, 3> kPairs = {"covariance.R.G", "covariance.R.B", "covariance.G.B"};
   std::vector<NamedView> planes;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -44,7 +42,7 @@ std::vector<NamedView> all_planes(const Frame& frame, const Components& componen
   }
   planes.emplace_back("sampleCount", frame.sample_count);
   for (const Feature& feature : frame.features) {
-    add_feature(feature, components, planes);
+    add_feature(feature, planes);
   }
   planes.emplace_back("A", frame.alpha);
   for (const ColourLayer& layer : frame.extra_layers) {
@@ -56,4 +54,4 @@ std::vector<NamedView> all_planes(const Frame& frame, const Components& componen
   return planes;
 }
 
-}  // namespace stein::cli
+}  // namespace stein
