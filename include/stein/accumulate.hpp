@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// For renderers: what `stein::denoise` needs to know of the samples, without keeping them. Header-only: nothing of the
-// compiled library is needed to accumulate and to merge.
+// For renderers: what `stein::denoise` needs to know of the samples, without keeping them. Nothing to link.
 //
 //   stein::Accumulator film(width, height, {.features = {{"albedo", 3}, {"normal", 3}, {"depth", 1}}});
 //   film.add(x, y, sample);                      // R, G, B, then the features' channels, once per sample
