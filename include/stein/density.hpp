@@ -10,8 +10,18 @@
 
 namespace stein {
 
+/// What a density says.
+enum class DensityRule : std::uint8_t {
+  /// Of the next batch: estimated error plus variance of a sample, over the squared luminance (SBF Eq. 9).
+  kNextSamples,
+  /// Of all samples, those that a pixel has included: the root of the relative variance that a single one of the
+  /// pixel's samples would leave in the result. Least noise of the whole result for a budget (docs/adaptive.md).
+  kAllSamples,
+};
+
 struct DensityParams {
-  float epsilon = 0.001F;  ///< Eq. 9, added to the squared luminance; > 0
+  DensityRule rule = DensityRule::kNextSamples;
+  float epsilon = 0.001F;  ///< Eq. 9, added to the squared luminance; > 0. Read for kNextSamples
 };
 
 struct AllocationParams {
@@ -21,10 +31,12 @@ struct AllocationParams {
 };
 
 /// Integer samples per pixel, proportional to `density` (>= 0, finite; values below 0 count as 0) as far as the bounds
-/// allow. The sum is exactly `budget`; equal inputs give equal outputs. Row-major, width * height. O(pixels log
-/// pixels).
+/// allow. Where `existing` is given, samples that pixels already have count (none where it is negative or not finite):
+/// the sums of both become proportional, as far as that can be without taking any back. The sum is exactly `budget`;
+/// equal inputs give equal outputs. Row-major, width * height. O(pixels log pixels).
 /// @throws Error kInvalidArgument if the bounds leave no room for the budget, kInvalidFrame naming a non-finite
-/// density.
-[[nodiscard]] std::vector<std::uint32_t> allocate_samples(ConstPlaneView density, const AllocationParams& params);
+/// density, or if the two planes differ in size.
+[[nodiscard]] std::vector<std::uint32_t> allocate_samples(ConstPlaneView density, const AllocationParams& params,
+                                                          ConstPlaneView existing = {});
 
 }  // namespace stein

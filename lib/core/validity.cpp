@@ -106,11 +106,6 @@ int covariance_validity_row(const Frame& frame, int y, int count, float* mask) {
   return count_zeros(mask, count);
 }
 
-bool has_covariances(const Frame& frame) {
-  return frame.colour_covariance[0] || std::any_of(frame.features.begin(), frame.features.end(),
-                                                   [](const Feature& f) { return !f.colour_covariance.empty(); });
-}
-
 struct RowReport {
   int invalid = 0;
   int first_invalid_x = 0;
@@ -144,6 +139,11 @@ RowReport inspect_row(const Frame& frame, int y) {
 }
 
 }  // namespace
+
+bool has_covariances(const Frame& frame) {
+  return frame.colour_covariance[0] || std::any_of(frame.features.begin(), frame.features.end(),
+                                                   [](const Feature& f) { return !f.colour_covariance.empty(); });
+}
 
 int colour_validity_row(const Frame& frame, int y, int x, int count, float* mask) {
   std::fill_n(mask, count, 1.0F);

@@ -8,6 +8,9 @@
 
 namespace stein {
 
+/// Whether any covariance with the colour is known.
+[[nodiscard]] bool has_covariances(const Frame& frame);
+
 /// mask[i] = 1 where the colour of pixel (x + i, y) is usable, else 0. Returns the number of unusable pixels.
 int colour_validity_row(const Frame& frame, int y, int x, int count, float* mask);
 

@@ -3,8 +3,9 @@
 // Integer samples from a density. SBF sec. 4.3 rounds each pixel's share of the budget up, which overspends by up to
 // one sample per pixel and knows no bounds. Here the shares are the solution of
 //
-//   sum_i clamp(level * S_i, min, max) = budget
+//   sum_i clamp(level * S_i - n_i, min, max) = budget
 //
+// with n_i the samples that the pixel has, where that counts,
 // and are rounded by largest remainder, so the sum is exact. Pixels of density 0 (or below) act as ones of an equal,
 // vanishing density: they stay at the minimum until every other pixel is at the maximum, and then share what is left
 // evenly.
@@ -24,9 +25,13 @@
 namespace stein {
 namespace {
 
-void check_arguments(ConstPlaneView density, const AllocationParams& params) {
+void check_arguments(ConstPlaneView density, const AllocationParams& params, ConstPlaneView existing) {
   if (!density || density.width() < 1 || density.height() < 1) {
     throw Error(ErrorCode::kInvalidFrame, "density: the plane is absent or empty; pass a plane of at least 1x1");
+  }
+  if (existing && (existing.width() != density.width() || existing.height() != density.height())) {
+    throw Error(ErrorCode::kInvalidFrame, "existing: the plane is " + std::to_string(existing.width()) + "x" +
+                                              std::to_string(existing.height()) + ", must be of the density's size");
   }
   const auto pixels = static_cast<std::int64_t>(density.width()) * density.height();
   const std::string bounds = "min_per_pixel = " + std::to_string(params.min_per_pixel) +
@@ -49,86 +54,107 @@ void check_arguments(ConstPlaneView density, const AllocationParams& params) {
   }
 }
 
-/// The density, row-major.
+/// Row-major.
+std::vector<float> values_of(ConstPlaneView plane) {
+  const int width = plane.width();
+  std::vector<float> values(static_cast<std::size_t>(width) * static_cast<std::size_t>(plane.height()));
+  for (int y = 0; y < plane.height(); ++y) {
+    plane.read_row(y, 0, width, values.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width));
+  }
+  return values;
+}
+
 std::vector<float> finite_density(ConstPlaneView density) {
-  const int width = density.width();
-  std::vector<float> values(static_cast<std::size_t>(width) * static_cast<std::size_t>(density.height()));
-  for (int y = 0; y < density.height(); ++y) {
-    float* row = values.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
-    density.read_row(y, 0, width, row);
-    for (int x = 0; x < width; ++x) {
-      if (!std::isfinite(row[x])) {
-        throw Error(ErrorCode::kInvalidFrame, "density is " + to_text(row[x]) + " at pixel (" + std::to_string(x) +
-                                                  ", " + std::to_string(y) + "), must be finite");
-      }
+  std::vector<float> values = values_of(density);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(values[i])) {
+      const auto width = static_cast<std::size_t>(density.width());
+      throw Error(ErrorCode::kInvalidFrame, "density is " + to_text(values[i]) + " at pixel (" +
+                                                std::to_string(i % width) + ", " + std::to_string(i / width) +
+                                                "), must be finite");
     }
   }
   return values;
 }
 
-/// The positive densities, ascending, under one level: which pixels are held at a bound and how many samples that
-/// takes.
+/// A pixel whose count cannot be used has no samples that could be.
+std::vector<float> usable_counts(ConstPlaneView existing) {
+  std::vector<float> counts = existing ? values_of(existing) : std::vector<float>{};
+  for (float& n : counts) n = std::isfinite(n) && n > 0.0F ? n : 0.0F;
+  return counts;
+}
+
+/// The shares of all pixels: of those with a positive density under one level, and of the others.
 class Shares {
  public:
-  Shares(const std::vector<float>& density, const AllocationParams& params)
-      : budget_(static_cast<double>(params.budget)), min_(params.min_per_pixel), max_(params.max_per_pixel) {
-    positive_.reserve(density.size());
-    std::copy_if(density.begin(), density.end(), std::back_inserter(positive_), [](float s) { return s > 0.0F; });
-    std::sort(positive_.begin(), positive_.end());
-    zeros_ = static_cast<double>(density.size() - positive_.size());
+  Shares(const std::vector<float>& density, const std::vector<float>& existing, const AllocationParams& params)
+      : density_(density),
+        existing_(existing),
+        budget_(static_cast<double>(params.budget)),
+        min_(params.min_per_pixel),
+        max_(params.max_per_pixel) {
+    const auto positive =
+        static_cast<double>(std::count_if(density.begin(), density.end(), [](float s) { return s > 0.0F; }));
+    const double zeros = static_cast<double>(density.size()) - positive;
+    is_saturated_ = positive * max_ + zeros * min_ <= budget_;
+    zero_share_ = is_saturated_ && zeros > 0 ? (budget_ - positive * max_) / zeros : min_;
+    if (!is_saturated_) level_ = solve();
   }
 
-  /// Whether every positive pixel is at the maximum; the zero ones then share the rest.
-  [[nodiscard]] bool saturated() const { return count(0, positive_.size()) * max_ + zeros_ * min_ <= budget_; }
-
-  /// What a pixel of density 0 gets.
-  [[nodiscard]] double zero_share() const {
-    return saturated() && zeros_ > 0 ? (budget_ - count(0, positive_.size()) * max_) / zeros_ : min_;
-  }
-
-  /// The level of the equation at the top of this file; only if not saturated.
-  [[nodiscard]] double solve() const {
-    // A pixel is at the minimum if even the level that would lift it off takes the whole budget, and at the maximum if
-    // the level that brings it there does not. Both hold for one end of the sorted densities.
-    const auto begin = positive_.begin();
-    const auto mid_begin = static_cast<std::size_t>(
-        std::partition_point(begin, positive_.end(), [&](float s) { return spent(min_ / s) >= budget_; }) - begin);
-    auto mid_end = static_cast<std::size_t>(
-        std::partition_point(begin, positive_.end(), [&](float s) { return spent(max_ / s) > budget_; }) - begin);
-    mid_end = std::max(mid_end, mid_begin);
-    if (mid_begin == mid_end) {
-      return mid_end < positive_.size() ? max_ / positive_[mid_end] : min_ / positive_.back();
-    }
-    const double held = (count(0, mid_begin) + zeros_) * min_ + count(mid_end, positive_.size()) * max_;
-    return (budget_ - held) / sum(mid_begin, mid_end);
+  [[nodiscard]] double share(std::size_t i) const {
+    if (!(density_[i] > 0.0F)) return zero_share_;
+    return is_saturated_ ? max_ : share_at(level_, i);
   }
 
  private:
-  [[nodiscard]] static double count(std::size_t begin, std::size_t end) { return static_cast<double>(end - begin); }
+  [[nodiscard]] double existing(std::size_t i) const { return existing_.empty() ? 0.0 : existing_[i]; }
 
-  /// Ascending, so that small densities are not lost; differences of running sums would lose them.
-  [[nodiscard]] double sum(std::size_t begin, std::size_t end) const {
-    const auto at = [&](std::size_t i) { return positive_.begin() + static_cast<std::ptrdiff_t>(i); };
-    return std::accumulate(at(begin), at(end), 0.0);
+  [[nodiscard]] double share_at(double level, std::size_t i) const {
+    return std::clamp(level * density_[i] - existing(i), min_, max_);
   }
 
   [[nodiscard]] double spent(double level) const {
-    const auto below = [&](double bound) {
-      return static_cast<std::size_t>(
-          std::partition_point(positive_.begin(), positive_.end(), [&](float s) { return level * s < bound; }) -
-          positive_.begin());
-    };
-    const std::size_t mid_begin = below(min_);
-    const std::size_t mid_end = below(max_);
-    return (count(0, mid_begin) + zeros_) * min_ + level * sum(mid_begin, mid_end) +
-           count(mid_end, positive_.size()) * max_;
+    double sum = 0;
+    for (std::size_t i = 0; i < density_.size(); ++i) sum += density_[i] > 0.0F ? share_at(level, i) : min_;
+    return sum;
   }
 
-  std::vector<float> positive_;
-  double zeros_ = 0;
+  /// The level of the equation at the top of this file. What is spent is linear in the level between the levels at
+  /// which a pixel leaves its minimum or reaches its maximum.
+  [[nodiscard]] double solve() const {
+    std::vector<double> bends;
+    bends.reserve(2 * density_.size());
+    for (std::size_t i = 0; i < density_.size(); ++i) {
+      if (!(density_[i] > 0.0F)) continue;
+      bends.push_back((existing(i) + min_) / density_[i]);
+      bends.push_back((existing(i) + max_) / density_[i]);
+    }
+    std::sort(bends.begin(), bends.end());
+    const auto above =
+        std::partition_point(bends.begin(), bends.end(), [&](double level) { return spent(level) <= budget_; });
+    if (above == bends.begin()) return bends.front();
+    const double low = *std::prev(above);
+    if (above == bends.end()) return low;
+    double held = 0;
+    double slope = 0;
+    const double middle = low + (*above - low) / 2;
+    for (std::size_t i = 0; i < density_.size(); ++i) {
+      const double wanted = middle * density_[i] - existing(i);
+      const bool is_free = density_[i] > 0.0F && wanted > min_ && wanted < max_;
+      held += is_free ? -existing(i) : density_[i] > 0.0F ? share_at(middle, i) : min_;
+      slope += is_free ? density_[i] : 0.0;
+    }
+    return slope > 0 ? std::clamp((budget_ - held) / slope, low, *above) : low;
+  }
+
+  const std::vector<float>& density_;
+  const std::vector<float>& existing_;
   double budget_;
   double min_;
   double max_;
+  bool is_saturated_ = false;  ///< every positive pixel is at the maximum; the zero ones share the rest
+  double zero_share_ = 0;
+  double level_ = 0;
 };
 
 /// Moves `counts` by one sample per pixel and round until `excess` samples are handed out (or, if negative, taken
@@ -158,22 +184,18 @@ void settle(std::vector<std::uint32_t>& counts, const std::vector<double>& remai
 
 }  // namespace
 
-std::vector<std::uint32_t> allocate_samples(ConstPlaneView density, const AllocationParams& params) {
-  check_arguments(density, params);
+std::vector<std::uint32_t> allocate_samples(ConstPlaneView density, const AllocationParams& params,
+                                            ConstPlaneView existing) {
+  check_arguments(density, params, existing);
   const std::vector<float> values = finite_density(density);
-  const Shares shares(values, params);
-  const double zero_share = shares.zero_share();
-  const bool saturated = shares.saturated();
-  const double level = saturated ? 0.0 : shares.solve();
+  const std::vector<float> taken = usable_counts(existing);
+  const Shares shares(values, taken, params);
 
   std::vector<std::uint32_t> counts(values.size());
   std::vector<double> remainders(values.size());
   std::int64_t excess = params.budget;
-  const auto low = static_cast<double>(params.min_per_pixel);
-  const auto high = static_cast<double>(params.max_per_pixel);
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const double wanted = values[i] > 0.0F ? (saturated ? high : level * values[i]) : zero_share;
-    const double share = std::clamp(wanted, low, high);
+    const double share = shares.share(i);
     counts[i] = static_cast<std::uint32_t>(share);
     remainders[i] = share - std::floor(share);
     excess -= counts[i];

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/validity.hpp"
 #include "stein/error.hpp"
 
 namespace stein {
@@ -45,11 +46,6 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-bool has_any_covariance(const Frame& frame) {
-  return frame.colour_covariance[0] || std::any_of(frame.features.begin(), frame.features.end(),
-                                                   [](const Feature& f) { return !f.colour_covariance.empty(); });
-}
-
 void require_closed_form(const DenoiseParams& params) {
   if (params.risk == Risk::kAuto || params.risk == Risk::kMonteCarlo || has_derivative(params.filter)) return;
   throw Error(ErrorCode::kInvalidArgument, "the filter '" + std::string(filter_name(params.filter)) +
@@ -79,7 +75,7 @@ RiskChoice make_choice(Risk method, std::string name, std::string reason, const 
 }
 
 RiskChoice monte_carlo(const Frame& frame, const NoisyGuides& noisy, std::string reason) {
-  const std::string name = has_any_covariance(frame) ? "Monte Carlo joint SURE" : "Monte Carlo SURE";
+  const std::string name = has_covariances(frame) ? "Monte Carlo joint SURE" : "Monte Carlo SURE";
   return make_choice(Risk::kMonteCarlo, name, std::move(reason), noisy);
 }
 

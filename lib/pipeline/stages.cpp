@@ -21,7 +21,7 @@ const std::vector<int> kRiskSteps = {1, 2, 4};
 const std::vector<int> kWeightSteps = {1, 2};
 const std::vector<int> kErrorSteps = {1, 2, 4};
 constexpr float kSmoothingSigmaScale = 2.0F;
-constexpr int kBlock = 16;  // pixels of a row that are summed together: tiles are made of whole blocks
+constexpr int kNoiseMap = 3;  // after the errors of the channels
 
 }  // namespace
 
@@ -46,11 +46,11 @@ Stages::Stages(const Source& source, const DenoiseParams& params, FilterRuns& ru
       surveyor_(prior == nullptr ? &surveyor : nullptr),
       weighs_evidence_(prior != nullptr),
       baseline_(prior != nullptr ? prior->best : 0),
-      relative_errors_(static_cast<std::size_t>((geometry.width + kBlock - 1) / kBlock) *
+      relative_errors_(static_cast<std::size_t>((geometry.width + kSumBlock - 1) / kSumBlock) *
                        static_cast<std::size_t>(geometry.height)) {
   for (std::size_t e = 0; prior != nullptr && e < prior->mean_risk.size(); ++e)
     prior_.push_back(prior->mean_risk[e] - prior->mean_risk[static_cast<std::size_t>(baseline_)]);
-  const std::size_t lines = 6 + static_cast<std::size_t>(kMaxEntries);
+  constexpr std::size_t lines = kRelativeRiskLines + kMaxEntries;
   lines_.assign(static_cast<std::size_t>(slots),
                 std::vector<float>(lines * static_cast<std::size_t>(geometry.tile_width)));
   plan();
@@ -60,7 +60,7 @@ void Stages::plan() {
   const int others = entries_ - 1;
   differences_ = add_ring(others + 1);
   choices_ = add_ring(entries_);
-  raw_errors_ = add_ring(3);
+  raw_errors_ = add_ring(params_.density.rule == DensityRule::kAllSamples ? kNoiseMap + 1 : kNoiseMap);
   runs_.add_stages(
       {}, [this](const Rect& tile, int slot) { compare(tile, slot); }, list_);
   add_risk_passes();
@@ -130,7 +130,7 @@ void Stages::compare(const Rect& tile, int slot) {
   const std::ptrdiff_t pitch = geometry_.tile_width;
   float* lines = lines_of(slot);
   float* risks[kMaxEntries];
-  for (int e = 0; e < entries_; ++e) risks[e] = lines + (6 + e) * pitch;
+  for (int e = 0; e < entries_; ++e) risks[e] = lines + (kRelativeRiskLines + e) * pitch;
   for (int y = tile.y0; y < tile.y1; ++y) {
     relative_risk_rows(source_, runs_.candidates(), entries_, tile, y, lines, pitch, risks);
     for (int e = 0; e < entries_; ++e) {
@@ -232,15 +232,23 @@ void Stages::mix_row(const Rect& tile, int y, float* lines) {
     float* risk = raw_errors_.row(c, y) + tile.x0;
     sure_row(F, D, mean, variance, n, risk);
     add_relative_error(tile, y, F, risk);
+    if (raw_errors_.count > kNoiseMap) add_noise(tile, y, c, F, D);
   }
 }
 
 void Stages::add_relative_error(const Rect& tile, int y, const float* F, const float* risk) {
-  const auto blocks = static_cast<std::size_t>((geometry_.width + kBlock - 1) / kBlock);
+  const auto blocks = static_cast<std::size_t>((geometry_.width + kSumBlock - 1) / kSumBlock);
   double* sums = relative_errors_.data() + static_cast<std::size_t>(y) * blocks;
   for (int i = 0; i < tile.width(); ++i) {
-    sums[(tile.x0 + i) / kBlock] += risk[i] / (static_cast<double>(F[i]) * F[i] + kRelativeEpsilon);
+    sums[(tile.x0 + i) / kSumBlock] += risk[i] / (static_cast<double>(F[i]) * F[i] + kRelativeEpsilon);
   }
+}
+
+// D over F^2 + 0.01, summed over the channels: what the result keeps of the pixel's own noise.
+void Stages::add_noise(const Rect& tile, int y, int channel, const float* F, const float* D) {
+  float* noise = raw_errors_.row(kNoiseMap, y) + tile.x0;
+  if (channel == 0) std::fill_n(noise, tile.width(), 0.0F);
+  for (int i = 0; i < tile.width(); ++i) noise[i] += std::max(D[i], 0.0F) / (F[i] * F[i] + kRelativeEpsilon);
 }
 
 double Stages::mean_relative_error() const {
@@ -258,19 +266,37 @@ void Stages::finish(const Rect& tile, int slot) {
   }
 }
 
-// SBF Eq. 9, before normalisation: S = (SURE + sigma^2) / (I^2 + eps), with the mean over the channels of the estimated
-// error and of the per-sample variance, and I the luminance of the result. Sums below 0 count as 0.
+// Before normalisation.
 void Stages::density_row(const Rect& tile, int y, float* lines) {
   const int n = tile.width();
-  const auto line = [&](int i) { return lines + i * geometry_.tile_width; };
-  float* count = line(0);
-  float* mean = line(1);
-  float* variance = line(2);
-  float* luminance = line(3);
   float* density = result_.density.row(y) + tile.x0;
+  float* count = lines;
   sample_count_row(source_.frame(), y, tile.x0, n, count);
-  std::fill_n(luminance, n, 0.0F);
   std::fill_n(density, n, 0.0F);
+  if (params_.density.rule == DensityRule::kAllSamples) {
+    all_samples_row(tile, y, count, density);
+  } else {
+    next_samples_row(tile, y, count, lines + geometry_.tile_width, density);
+  }
+}
+
+// For given weights w_ij of a linear filter and samples of variance s_j, the noise left in the image is
+// sum_i W_i sum_j w_ij^2 s_j / n_j, least for a sum of all n_j where n_j^2 is proportional to s_j sum_i W_i w_ij^2.
+// Weights change little over a window: that sum is about W_j w_jj, and s_j w_jj = n_j D_j.
+void Stages::all_samples_row(const Rect& tile, int y, const float* count, float* density) const {
+  const float* noise = errors_.row(kNoiseMap, y) + tile.x0;
+  for (int i = 0; i < tile.width(); ++i) density[i] = std::sqrt(noise[i] * count[i]);
+}
+
+// SBF Eq. 9: S = (SURE + sigma^2) / (I^2 + eps), with the mean over the channels of the estimated error and of the
+// per-sample variance, and I the luminance of the result.
+void Stages::next_samples_row(const Rect& tile, int y, const float* count, float* lines, float* density) const {
+  const int n = tile.width();
+  const auto line = [&](int i) { return lines + i * geometry_.tile_width; };
+  float* mean = line(0);
+  float* variance = line(1);
+  float* luminance = line(2);
+  std::fill_n(luminance, n, 0.0F);
   for (std::size_t c = 0; c < 3; ++c) {
     source_.input_row(c, y, tile.x0, n, mean, variance);
     const float* error = result_.error[c].row(y) + tile.x0;

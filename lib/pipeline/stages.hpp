@@ -53,7 +53,10 @@ class Stages {
 
   void mix_row(const Rect& tile, int y, float* lines);
   void add_relative_error(const Rect& tile, int y, const float* F, const float* risk);
+  void add_noise(const Rect& tile, int y, int channel, const float* F, const float* D);
   void density_row(const Rect& tile, int y, float* lines);
+  void all_samples_row(const Rect& tile, int y, const float* count, float* density) const;
+  void next_samples_row(const Rect& tile, int y, const float* count, float* lines, float* density) const;
   [[nodiscard]] float* lines_of(int slot) { return lines_[static_cast<std::size_t>(slot)].data(); }
 
   const Source& source_;
@@ -73,7 +76,7 @@ class Stages {
   MapRows evidence_;                       // both smoothed
   MapRows choices_;                        // one map per entry: 1 for what was picked
   MapRows weights_;                        // the same, smoothed
-  MapRows raw_errors_;                     // risk of the mixture per channel
+  MapRows raw_errors_;                     // risk of the mixture per channel, and its noise where the density wants it
   MapRows errors_;                         // the same, smoothed
   std::vector<double> relative_errors_;    // sums over blocks of 16 pixels of a row
   std::vector<std::vector<float>> lines_;  // per slot: rows as wide as a tile

@@ -11,7 +11,6 @@
 namespace stein {
 namespace {
 
-constexpr int kBlock = 16;    // pixels of a row whose sums are kept: tiles are made of whole blocks
 constexpr int kPeriod = 16;   // of every 16 rows ...
 constexpr int kFirstRow = 6;  // ... two are looked at
 constexpr int kRows = 2;
@@ -43,8 +42,6 @@ struct BlockSums {
   }
 };
 
-constexpr int kLines = 6;
-
 }  // namespace
 
 struct Surveyor::State {
@@ -53,13 +50,14 @@ struct Surveyor::State {
         runs(filter_runs),
         height(geometry.height),
         pitch(geometry.tile_width),
-        blocks((geometry.width + kBlock - 1) / kBlock),
+        blocks((geometry.width + kSumBlock - 1) / kSumBlock),
         sums(static_cast<std::size_t>(blocks) * static_cast<std::size_t>(geometry.height)),
         lines(static_cast<std::size_t>(slots),
-              std::vector<float>(static_cast<std::size_t>((kLines + kMaxEntries) * pitch))) {}
+              std::vector<float>(static_cast<std::size_t>((kRelativeRiskLines + kMaxEntries) * pitch))) {}
 
   [[nodiscard]] BlockSums& sums_at(int x, int y) {
-    return sums[static_cast<std::size_t>(y) * static_cast<std::size_t>(blocks) + static_cast<std::size_t>(x / kBlock)];
+    return sums[static_cast<std::size_t>(y) * static_cast<std::size_t>(blocks) +
+                static_cast<std::size_t>(x / kSumBlock)];
   }
   void add_row(const Rect& part, int y, float* row_lines);
   void add_noise(const Rect& part, int y, float* row_lines);
@@ -100,7 +98,7 @@ void Surveyor::add(const Rect& part, int slot) {
 void Surveyor::State::add_row(const Rect& part, int y, float* row_lines) {
   const int entries = runs.entries();
   float* risks[kMaxEntries];
-  for (int e = 0; e < entries; ++e) risks[e] = row_lines + (kLines + e) * pitch;
+  for (int e = 0; e < entries; ++e) risks[e] = row_lines + (kRelativeRiskLines + e) * pitch;
   relative_risk_rows(source, runs.candidates(), entries, part, y, row_lines, pitch, risks);
   float* mask = row_lines;
   source.mask_row(y, part.x0, part.width(), mask);
@@ -134,10 +132,10 @@ void Surveyor::State::add_noise(const Rect& part, int y, float* row_lines) {
       BlockSums& block = sums_at(part.x0 + i, y);
       block.noise += variance[i] * weight(i);
       block.residual += std::pow(static_cast<double>(mean[i]) - F[i], 2) * weight(i);
-      const bool has_neighbour = i + 1 < n && (part.x0 + i + 1) % kBlock != 0 && mask[i + 1] != 0.0F;
+      const bool has_neighbour = i + 1 < n && (part.x0 + i + 1) % kSumBlock != 0 && mask[i + 1] != 0.0F;
       if (!has_neighbour) continue;
       const double product = (static_cast<double>(mean[i]) - F[i]) * (static_cast<double>(mean[i + 1]) - F[i + 1]);
-      block.product += product * std::sqrt(weight(i) * weight(i + 1)) * kBlock / (kBlock - 1.0);
+      block.product += product * std::sqrt(weight(i) * weight(i + 1)) * kSumBlock / (kSumBlock - 1.0);
     }
   }
 }

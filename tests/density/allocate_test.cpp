@@ -22,11 +22,13 @@ struct Case {
   std::vector<float> density;
   int width = 0;
   AllocationParams params;
+  std::vector<float> existing = {};
 };
 
 std::vector<std::uint32_t> allocate(const Case& c) {
   const int height = static_cast<int>(c.density.size()) / c.width;
-  return stein::allocate_samples({c.density.data(), c.width, height}, c.params);
+  const stein::ConstPlaneView existing(c.existing.empty() ? nullptr : c.existing.data(), c.width, height);
+  return stein::allocate_samples({c.density.data(), c.width, height}, c.params, existing);
 }
 
 std::vector<std::uint32_t> allocate(const std::vector<float>& density, std::int64_t budget, std::uint32_t low = 0,
@@ -71,7 +73,11 @@ std::vector<double> ideal_shares(const Case& c) {
   const double high = c.params.max_per_pixel;
   const auto at_level = [&](double log_level) {
     std::vector<double> shares;
-    for (const float s : c.density) shares.push_back(std::clamp(std::exp(log_level) * s, low, high));
+    for (std::size_t i = 0; i < c.density.size(); ++i) {
+      const double existing = c.existing.empty() ? 0.0 : c.existing[i];
+      shares.push_back(c.density[i] > 0.0F ? std::clamp(std::exp(log_level) * c.density[i] - existing, low, high)
+                                           : low);
+    }
     return shares;
   };
   const auto sum = [](const std::vector<double>& v) { return std::accumulate(v.begin(), v.end(), 0.0); };
@@ -100,6 +106,7 @@ void check_properties(const Case& c, const std::vector<std::uint32_t>& counts) {
     REQUIRE(counts[i] <= c.params.max_per_pixel);
     REQUIRE(std::abs(counts[i] - ideal[i]) < 1.0 + 1e-6);
   }
+  if (!c.existing.empty()) return;
   std::vector<std::size_t> order(counts.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return c.density[a] < c.density[b]; });
@@ -132,6 +139,28 @@ TEST_CASE("Shares of random densities are exact in sum, bounded, ordered and wit
     check_properties(c, counts);
     REQUIRE(allocate(c) == counts);
   }
+}
+
+TEST_CASE("Shares beside existing samples are exact in sum, bounded and within one sample of the ideal") {
+  std::mt19937 random(20120612);
+  for (int i = 0; i < 1000; ++i) {
+    Case c = random_case(random);
+    std::uniform_int_distribution<int> samples(0, i % 2 == 0 ? 8 : 1000);
+    for (std::size_t k = 0; k < c.density.size(); ++k) c.existing.push_back(static_cast<float>(samples(random)));
+    CAPTURE(i, c.params.budget, c.params.min_per_pixel, c.params.max_per_pixel, c.density.size());
+    check_properties(c, allocate(c));
+  }
+}
+
+TEST_CASE("Existing samples count, and none are taken back") {
+  const auto beside = [](std::vector<float> existing, std::int64_t budget) {
+    return allocate(Case{{1, 2, 3, 4}, 4, {.budget = budget}, std::move(existing)});
+  };
+  CHECK(beside({0, 0, 0, 0}, 20) == std::vector<std::uint32_t>{2, 4, 6, 8});
+  CHECK(beside({1, 1, 1, 1}, 16) == std::vector<std::uint32_t>{1, 3, 5, 7});
+  CHECK(beside({9, 0, 0, 0}, 18) == std::vector<std::uint32_t>{0, 4, 6, 8});
+  CHECK(beside({-7, NAN, INFINITY, 0}, 20) == std::vector<std::uint32_t>{2, 4, 6, 8});
+  CHECK(beside({9, 9, 9, 9}, 0) == std::vector<std::uint32_t>{0, 0, 0, 0});
 }
 
 TEST_CASE("Shares are proportional where the bounds do not matter") {
@@ -200,4 +229,5 @@ TEST_CASE("Arguments that cannot be met are refused with the reason") {
   require_error({{1, 2, 3, NAN}, 2, {4, 0, 9}}, ErrorCode::kInvalidFrame, "nan at pixel (1, 1)");
   require_error({{1, 2, -INFINITY, 4}, 2, {4, 0, 9}}, ErrorCode::kInvalidFrame, "-inf at pixel (0, 1)");
   CHECK_THROWS_AS(stein::allocate_samples({}, {.budget = 1}), stein::Error);
+  CHECK_THROWS_AS(stein::allocate_samples({two.data(), 2, 1}, {.budget = 1}, {two.data(), 1, 2}), stein::Error);
 }
