@@ -40,14 +40,6 @@ constexpr const char* kFooter =
     "  stein accumulate samples.exr -o noisy.exr\n"
     "  stein accumulate samples.exr -o noisy.exr --leave-out position2,normal2";
 
-void check_paths(const AccumulateOptions& options) {
-  std::error_code error;
-  if (std::filesystem::equivalent(options.input, options.output, error)) {
-    throw Error(ErrorCode::kInvalidArgument, "-o " + options.output + " is the input itself: choose another file");
-  }
-  check_output_path(options.output);
-}
-
 void write_planes(const std::string& path, exr::SampleReader& samples, AccumulatedRows& rows, Progress& progress) {
   std::optional<exr::PlanesWriter> writer;
   while (rows.next()) {
@@ -99,7 +91,7 @@ void print_summary(const AccumulateOptions& options, const exr::SampleReader& sa
 
 void accumulate(const AccumulateOptions& options) {
   catch_interrupts();
-  check_paths(options);
+  check_output_path(options.output, options.input);
   std::optional<Progress> progress(choose_progress_style(options.quiet));
   progress->show(0);
   exr::SampleReader samples(options.input);

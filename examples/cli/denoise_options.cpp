@@ -7,6 +7,7 @@
 
 #include "arguments.hpp"
 #include "parsing.hpp"
+#include "stein/error.hpp"
 
 namespace stein::cli {
 namespace {
@@ -20,8 +21,7 @@ constexpr const char* kFooter =
     "  stein denoise noisy.exr -o clean.exr\n"
     "  stein denoise noisy.exr -o clean.exr --samples 16 --json report.json --quiet\n"
     "  stein denoise noisy.exr -o clean.exr --filter gaussian --risk monte-carlo\n"
-    "  stein denoise noisy.exr -o clean.exr --feature-sigma normal=0.4,albedo=0.1\n"
-    "  stein denoise pass1.exr -o next.exr --bank intermediate --budget 1000000 --min-samples 1 --max-samples 64";
+    "  stein denoise noisy.exr -o clean.exr --feature-sigma normal=0.4,albedo=0.1";
 
 void declare_output(CLI::App& verb, DenoiseOptions& options) {
   verb.add_flag_callback(
@@ -33,17 +33,42 @@ void declare_output(CLI::App& verb, DenoiseOptions& options) {
   verb.add_flag("--keep-noisy", options.write.noisy, "Keep the input's colour as noisy.R/G/B");
   verb.add_flag("--keep-inputs", options.write.inputs, "Keep variances, covariances and the sample count");
   verb.add_flag("--half", options.write.half_colour, "Write the colour as half");
-  CLI::Option* budget =
-      verb.add_option("--budget", options.budget, "Hand out that many samples by the density: writes density.samples");
-  budget->check(CLI::NonNegativeNumber);
-  verb.add_option("--min-samples", options.min_samples, "Least samples of a pixel")->needs(budget);
-  verb.add_option("--max-samples", options.max_samples, "Most samples of a pixel")->needs(budget);
   verb.add_option("--json", options.json, "Write a report as JSON to this file");
+}
+
+Risk risk_of(const std::string& name) {
+  if (name == "sure") return Risk::kPlain;
+  if (name == "joint") return Risk::kJoint;
+  return name == "monte-carlo" ? Risk::kMonteCarlo : Risk::kAuto;
+}
+
+void check_feature_names(const DenoiseOptions& options, const Frame& frame) {
+  for (const std::string& text : options.filter.feature_sigmas) {
+    const std::string name = text.substr(0, text.find('='));
+    std::string names;
+    bool found = false;
+    for (const Feature& feature : frame.features) {
+      found = found || feature.name == name;
+      names += " " + feature.name;
+    }
+    if (!found) {
+      throw Error(ErrorCode::kInvalidArgument, "--feature-sigma: " + options.input + " has no feature '" + name +
+                                                   "'; it has:" + (names.empty() ? " none" : names));
+    }
+  }
 }
 
 }  // namespace
 
 void declare(CLI::App& verb, DenoiseOptions& options) {
+  declare_method(verb, options);
+  verb.add_option("--strength", options.strength, "1: the reconstruction, 0: the input, between: a mix")
+      ->capture_default_str();
+  declare_output(verb, options);
+  verb.footer(kFooter);
+}
+
+void declare_method(CLI::App& verb, DenoiseOptions& options) {
   verb.add_option("IN", options.input, "OpenEXR file with the noisy image and its variances")->required();
   verb.add_option("-o,--output", options.output, "OpenEXR file to write; not IN itself")->required();
   declare(verb, options.filter);
@@ -61,27 +86,13 @@ void declare(CLI::App& verb, DenoiseOptions& options) {
                   "local risk")
       ->check(CLI::IsMember({"evidence", "argmin"}))
       ->capture_default_str();
-  verb.add_option("--strength", options.strength, "1: the reconstruction, 0: the input, between: a mix")
-      ->capture_default_str();
-  declare_output(verb, options);
   verb.add_flag_callback(
       "--no-outliers", [&options] { options.outliers = false; }, "Leave fireflies as they are");
   verb.add_flag("--strict", options.strict, "Fail on unusable values instead of repairing them");
   verb.add_option("--threads", options.threads, "Most threads to use; 0: all")->capture_default_str();
   verb.add_option("--tile", options.tile, "WIDTHxHEIGHT of a unit of work; never changes the result");
   verb.add_flag("--quiet", options.quiet, "No progress and no summary; warnings remain");
-  verb.footer(kFooter);
 }
-
-namespace {
-
-Risk risk_of(const std::string& name) {
-  if (name == "sure") return Risk::kPlain;
-  if (name == "joint") return Risk::kJoint;
-  return name == "monte-carlo" ? Risk::kMonteCarlo : Risk::kAuto;
-}
-
-}  // namespace
 
 DenoiseParams denoise_params(const DenoiseOptions& options) {
   DenoiseParams params;
@@ -101,6 +112,14 @@ DenoiseParams denoise_params(const DenoiseOptions& options) {
   }
   check(params);
   return params;
+}
+
+exr::LoadedFrame read_input(const DenoiseOptions& options) {
+  const bool needs_covariances = options.risk != "sure";
+  exr::LoadedFrame input =
+      exr::read_frame(options.input, {.samples_per_pixel = options.samples, .read_covariances = needs_covariances});
+  check_feature_names(options, input.frame());
+  return input;
 }
 
 }  // namespace stein::cli

@@ -24,9 +24,6 @@ struct DenoiseOptions {
   std::string selection = "evidence";
   float strength = 1;
   float samples = 0;
-  std::int64_t budget = -1;  ///< below 0: no samples are handed out
-  std::uint32_t min_samples = 0;
-  std::uint32_t max_samples = UINT32_MAX;
   std::string tile;
   int threads = 0;
   bool strict = false;
@@ -38,7 +35,13 @@ struct DenoiseOptions {
 /// Declares them; `options` must outlive the parsing.
 void declare(CLI::App& verb, DenoiseOptions& options);
 
+/// Of these, what is read and how it is worked on: not what is written.
+void declare_method(CLI::App& verb, DenoiseOptions& options);
+
 /// Without progress. @throws Error kInvalidArgument.
 [[nodiscard]] DenoiseParams denoise_params(const DenoiseOptions& options);
+
+/// Reads the input as the options want it.
+[[nodiscard]] exr::LoadedFrame read_input(const DenoiseOptions& options);
 
 }  // namespace stein::cli

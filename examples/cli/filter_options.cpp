@@ -39,6 +39,12 @@ void set_bank(FilterSpec& spec, const std::string& bank) {
       }
       return true;
     }
+    if constexpr (requires { params.window_radius; }) {
+      if (bank == "intermediate") {
+        params.window_radius = intermediate_cross_nlm().window_radius;
+      }
+      return true;
+    }
     return false;
   });
 }
@@ -74,7 +80,8 @@ void declare(CLI::App& verb, FilterOptions& options) {
   }
   options.name = filter_names().front();
   verb.add_option("--filter", options.name, "One of: " + names)->capture_default_str();
-  verb.add_option("--bank", options.bank, "Spatial scales: all (final), or the three of a first pass (intermediate)")
+  verb.add_option("--bank", options.bank,
+                  "Candidates: all (final), or the cheaper ones for use between batches of samples (intermediate)")
       ->check(CLI::IsMember({"final", "intermediate"}));
   verb.add_option("--range-sigma", options.range_sigma, "Range term on the colour, in radiance; 0: off");
   verb.add_option("--feature-sigma", options.feature_sigmas,

@@ -22,6 +22,7 @@ constexpr Verb kVerbs[] = {
     {"accumulate", "Turn a file of raw samples into one that can be denoised", stein::cli::add_accumulate},
     {"info", "Show what is understood of a file, and what it lacks", stein::cli::add_info},
     {"compare", "Measure an image against a reference", stein::cli::add_compare},
+    {"sample-map", "Say how many further samples each pixel should get", stein::cli::add_sample_map},
     {"merge", "Make one image with variances out of several renders of a view", stein::cli::add_merge},
     {"preview", "Turn a layer of a file into a PNG picture", stein::cli::add_preview},
 };

@@ -86,7 +86,11 @@ class Merger {
     progress_->show(0);
     const exr::LoadedFrame first = read(options_, 0);
     pooled_ = !options_.spread && has_all_variances(first.frame());
-    Accumulator film(first.frame().width, first.frame().height, sample_layout(first.frame(), pooled_));
+    const SampleLayout layout = sample_layout(first.frame(), pooled_);
+    if (!layout.covariances && first.frame().colour_covariance[0]) {
+      warnings_.push_back("not all features have covariances with the colour: all covariances are left out");
+    }
+    Accumulator film(first.frame().width, first.frame().height, layout);
     add(first, 0, film);
     for (std::size_t file = 1; file < options_.inputs.size(); ++file) {
       const exr::LoadedFrame next = read(options_, file);
@@ -122,7 +126,10 @@ class Merger {
   void report(const Accumulator& film, const Frame& frame) {
     if (film.rejected() > 0) {
       warnings_.push_back(std::to_string(film.rejected()) +
-                          " pixels of the files had no usable colour; the other files stand in for them");
+                          " pixels of the files had no usable colour; the other files stand in for them" +
+                          (empty_pixels(frame) > 0 ? ", but for " + std::to_string(empty_pixels(frame)) +
+                                                         " pixels without any, whose sampleCount is 0"
+                                                   : ""));
     }
     if (film.repaired() > 0) {
       warnings_.push_back(std::to_string(film.repaired()) +
@@ -132,6 +139,14 @@ class Merger {
     if (options_.quiet) return;
     std::printf("%s: %zu files, %s\nvariances: %s\n", options_.output.c_str(), options_.inputs.size(),
                 samples_text(frame).c_str(), pooled_ ? "pooled from those of the files" : "from how the files differ");
+  }
+
+  static std::int64_t empty_pixels(const Frame& frame) {
+    std::int64_t empty = 0;
+    for (int y = 0; y < frame.height; ++y) {
+      for (int x = 0; x < frame.width; ++x) empty += frame.sample_count.at(x, y) > 0 ? 0 : 1;
+    }
+    return empty;
   }
 
   const MergeOptions& options_;

@@ -17,5 +17,6 @@ namespace stein::cli {
 [[nodiscard]] Action add_compare(CLI::App& verb);
 [[nodiscard]] Action add_merge(CLI::App& verb);
 [[nodiscard]] Action add_preview(CLI::App& verb);
+[[nodiscard]] Action add_sample_map(CLI::App& verb);
 
 }  // namespace stein::cli

@@ -61,6 +61,14 @@ void check_output_path(const std::string& path) {
   }
 }
 
+void check_output_path(const std::string& path, const std::string& input) {
+  std::error_code error;
+  if (std::filesystem::equivalent(input, path, error)) {
+    throw Error(ErrorCode::kInvalidArgument, "-o " + path + " is the input itself: choose another file");
+  }
+  check_output_path(path);
+}
+
 void write_whole_file(const std::string& path, std::string_view content) {
   std::error_code error;
   const bool is_special = fs::exists(path, error) && !fs::is_regular_file(path, error);

@@ -10,6 +10,9 @@ namespace stein::cli {
 /// @throws Error kIo naming the path.
 void check_output_path(const std::string& path);
 
+/// The same for what is made of `input`, which it must not be. @throws Error kInvalidArgument, kIo.
+void check_output_path(const std::string& path, const std::string& input);
+
 /// The file appears whole or not at all (temporary file in the same folder, renamed). Devices and pipes are written to.
 /// @throws Error kIo naming the path.
 void write_whole_file(const std::string& path, std::string_view content);

@@ -84,7 +84,6 @@ struct WriteOptions {
   bool noisy = false;        ///< the input's colour as noisy.R/G/B
   bool inputs = false;       ///< keep the planes that describe the noisy input: variances, covariances, sampleCount
   bool half_colour = false;  ///< write R, G, B as half (float otherwise); what half cannot hold is clamped to +-65504
-  const std::vector<std::uint32_t>* samples = nullptr;  ///< if given: `density.samples` (uint), row-major
 };
 
 /// Writes the result next to everything of `source` that does not describe its noise: other channels, parts and
@@ -101,7 +100,9 @@ void write_result(const std::string& path, const LoadedFrame& source, const Deno
 /// @throws Error kInvalidFrame, kIo naming the file, kInvalidArgument if the frame is not of the source's size.
 void write_frame(const std::string& path, const Frame& frame, const LoadedFrame& source);
 
-/// A plain file of named float planes of one size, written whole or not at all.
-void write_planes(const std::string& path, const std::vector<std::pair<std::string, ConstPlaneView>>& planes);
+/// A plain file of named planes of one size, written whole or not at all: uint planes as uint, others as float.
+/// `origin`: x and y of the first pixel in the file's data window.
+void write_planes(const std::string& path, const std::vector<std::pair<std::string, ConstPlaneView>>& planes,
+                  const std::array<int, 2>& origin = {0, 0});
 
 }  // namespace stein::exr

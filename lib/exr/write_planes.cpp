@@ -33,13 +33,13 @@ void check_planes(const std::string& path, const std::vector<std::pair<std::stri
   }
 }
 
-/// The views themselves where they hold floats; `copies` holds the others as floats.
-std::vector<MemoryChannel> as_floats(const std::vector<std::pair<std::string, ConstPlaneView>>& planes,
-                                     std::vector<Plane>& copies) {
+/// The views themselves; `copies` holds those of half values as floats.
+std::vector<MemoryChannel> channels_of(const std::vector<std::pair<std::string, ConstPlaneView>>& planes,
+                                       std::vector<Plane>& copies) {
   std::vector<MemoryChannel> channels;
   for (const auto& [name, view] : planes) {
-    channels.push_back({name, Imf::FLOAT, view});
-    if (view.type() == ScalarType::kFloat32) continue;
+    channels.push_back({name, view.type() == ScalarType::kUint32 ? Imf::UINT : Imf::FLOAT, view});
+    if (view.type() != ScalarType::kFloat16) continue;
     Plane copy(view.width(), view.height());
     for (int y = 0; y < view.height(); ++y) view.read_row(y, 0, view.width(), copy.row(y));
     channels.back().view = copy.view();
@@ -50,16 +50,22 @@ std::vector<MemoryChannel> as_floats(const std::vector<std::pair<std::string, Co
 
 }  // namespace
 
-void write_planes(const std::string& path, const std::vector<std::pair<std::string, ConstPlaneView>>& planes) {
+void write_planes(const std::string& path, const std::vector<std::pair<std::string, ConstPlaneView>>& planes,
+                  const std::array<int, 2>& origin) {
   check_planes(path, planes);
   with_io_errors("write '" + path + "'", [&] {
     std::vector<Plane> copies;
-    const std::vector<MemoryChannel> channels = as_floats(planes, copies);
+    const std::vector<MemoryChannel> channels = channels_of(planes, copies);
     PartPlan plan;
-    plan.header = Imf::Header(planes.front().second.width(), planes.front().second.height());
+    const ConstPlaneView& first = planes.front().second;
+    const Imath::V2i corner(origin[0], origin[1]);
+    const Imath::Box2i window(corner, corner + Imath::V2i(first.width() - 1, first.height() - 1));
+    plan.header = Imf::Header(window, window);
     plan.header.compression() = Imf::ZIP_COMPRESSION;
     plan.header.setType(Imf::SCANLINEIMAGE);
-    for (const MemoryChannel& channel : channels) plan.header.channels().insert(channel.name, Imf::Channel(Imf::FLOAT));
+    for (const MemoryChannel& channel : channels) {
+      plan.header.channels().insert(channel.name, Imf::Channel(channel.type));
+    }
     ReplacingFile target(path);
     {
       Imf::MultiPartOutputFile output(target.stream(), &plan.header, 1);

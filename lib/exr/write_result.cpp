@@ -37,15 +37,6 @@ std::vector<MemoryChannel> result_channels(const std::string& path, const Frame&
   }
   if (options.choice) add("choice.V", result.choice, Imf::FLOAT);
   if (options.density) add("density.V", result.density, Imf::FLOAT);
-  if (options.samples == nullptr) return channels;
-  const auto pixels = static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height);
-  if (options.samples->size() != pixels) {
-    throw Error(ErrorCode::kInvalidArgument, "cannot write '" + path + "': WriteOptions::samples holds " +
-                                                 std::to_string(options.samples->size()) + " counts for " +
-                                                 std::to_string(pixels) + " pixels");
-  }
-  channels.push_back({"density.samples", Imf::UINT,
-                      ConstPlaneView(options.samples->data(), ScalarType::kUint32, frame.width, frame.height)});
   return channels;
 }
 

@@ -53,7 +53,7 @@ TEST_CASE("denoise: writes a cleaner image with its error, choice and density") 
        {"R", "G", "B", "error.R", "error.G", "error.B", "choice.V", "density.V", "albedo.R", "id.Z"}) {
     CHECK(has_channel(out, name));
   }
-  for (const char* name : {"variance.R", "albedo.variance.R", "sampleCount", "noisy.R", "density.samples"}) {
+  for (const char* name : {"variance.R", "albedo.variance.R", "sampleCount", "noisy.R"}) {
     CHECK_FALSE(has_channel(out, name));
   }
   CHECK(spread(read_channel(out, "R")) < 0.2 * spread(read_channel(folder / "noisy.exr", "R")));
@@ -136,16 +136,6 @@ TEST_CASE("denoise: a risk that filter or file do not allow is an error that say
   CHECK(refusal({"--risk", "joint"}).find("covariances of the colour with") != std::string::npos);
   CHECK(refusal({"--filter", "atrous", "--risk", "sure"}).find("no risk in closed form") != std::string::npos);
   CHECK(refusal({"--risk", "monte-carlo", "--draws", "0"}).find("draws") != std::string::npos);
-}
-
-TEST_CASE("denoise: a budget becomes samples per pixel") {
-  const TemporaryFolder folder;
-  write(folder / "noisy.exr", noisy_image(kWidth, kHeight));
-  denoise(folder, {"--budget", "12345", "--min-samples", "1", "--max-samples", "9"});
-  const std::vector<float> samples = read_channel(folder / "clean.exr", "density.samples");
-  CHECK(std::accumulate(samples.begin(), samples.end(), 0.0) == 12345);
-  CHECK(*std::min_element(samples.begin(), samples.end()) >= 1);
-  CHECK(*std::max_element(samples.begin(), samples.end()) <= 9);
 }
 
 TEST_CASE("denoise: a file without a sample count needs --samples") {

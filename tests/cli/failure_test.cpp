@@ -60,8 +60,9 @@ TEST_CASE("bad arguments: exit code 2") {
   check_failure({"denoise", in, "-o", out, "--feature-sigma", "normal"}, 2, "NAME=VALUE");
   check_failure({"denoise", in, "-o", out, "--feature-sigma", "depth=1"}, 2, "normal");
   check_failure({"denoise", in, "-o", out, "--feature-sigma", "normal=-1"}, 2, "-1");
-  check_failure({"denoise", in, "-o", out, "--min-samples", "1"}, 2, "--budget");
-  check_failure({"denoise", in, "-o", out, "--budget", "10", "--min-samples", "1"}, 2, "10");
+  check_failure({"sample-map", in, "-o", out}, 2, "--budget");
+  check_failure({"sample-map", in, "-o", out, "--budget", "10", "--min-samples", "1"}, 2, "10");
+  check_failure({"sample-map", in, "-o", in, "--budget", "1000"}, 2, "is the input");
   check_failure({"denoise", in, "-o", in}, 2, "is the input");
   CHECK(folder.names() == std::vector<std::string>{"noisy.exr"});
 }

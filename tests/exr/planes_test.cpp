@@ -47,7 +47,7 @@ TEST_CASE("planes are read by name as floats") {
   expect_error(ErrorCode::kUnsupported, {path, "deep.Q", "deep"}, [&] { (void)read_planes(path, {"deep.Q"}); });
 }
 
-TEST_CASE("planes are written as floats, whatever the views") {
+TEST_CASE("planes are written as floats, whatever the views, and counts as uint") {
   const TemporaryFolder folder;
   const std::string path = folder / "out.exr";
   const std::vector<float> interleaved = {1, 10, 2, 20, 3, 30, 4, 40, 5, 50, 6, 60};
@@ -68,7 +68,10 @@ TEST_CASE("planes are written as floats, whatever the views") {
       CHECK(read.planes[3].row(y)[x] == value + 6);
     }
   }
-  CHECK(fixture::read_raw(path, 0, "n.V").type == Imf::FLOAT);
+  CHECK(fixture::read_raw(path, 0, "n.V").type == Imf::UINT);
+  CHECK(fixture::read_raw(path, 0, "first").type == Imf::FLOAT);
+  write_planes(path, {{"n.V", ConstPlaneView(counts.data(), ScalarType::kUint32, 3, 2)}}, {-3, 5});
+  CHECK(read_planes(path, {"n.V"}).data_window == std::array<int, 4>{-3, 5, -1, 6});
   CHECK(folder.entries() == 1);
 }
 

@@ -207,17 +207,6 @@ TEST_CASE("options choose what is written") {
       CHECK(read_raw(out, 0, name) == read_raw(folder / "in.exr", 0, name));
     }
   }
-  SECTION("sample counts") {
-    std::vector<std::uint32_t> samples(std::size_t{23} * 13);
-    for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = static_cast<std::uint32_t>(i * 1'000'003);
-    write_result(out, source, result, {.samples = &samples});
-    const auto raw = read_raw(out, 0, "density.samples");
-    CHECK(raw.type == Imf::UINT);
-    CHECK(std::equal(raw.bytes.begin(), raw.bytes.end(), reinterpret_cast<const unsigned char*>(samples.data())));
-    samples.pop_back();
-    expect_error(ErrorCode::kInvalidArgument, {out, "WriteOptions::samples", "298", "299"},
-                 [&] { write_result(out, source, result, {.samples = &samples}); });
-  }
 }
 
 TEST_CASE("half colour is clamped to what half can hold") {
@@ -244,14 +233,12 @@ TEST_CASE("half colour is clamped to what half can hold") {
 TEST_CASE("results of an earlier run are replaced") {
   const TemporaryFolder folder;
   const auto old = layer("error", "RGB", Imf::HALF) + layer("choice", "V", Imf::HALF) +
-                   layer("noisy", "RGB", Imf::HALF) +
-                   std::vector<ChannelSpec>{{"density.V", Imf::HALF}, {"density.samples", Imf::UINT}};
+                   layer("noisy", "RGB", Imf::HALF) + std::vector<ChannelSpec>{{"density.V", Imf::HALF}};
   write_file(folder / "in.exr", {{"", colour_channels(Imf::HALF) + old}});
   const LoadedFrame source = read_frame(folder / "in.exr");
   const DenoiseResult result = result_for(source.frame());
   write_result(folder / "out.exr", source, result);
   check_result(folder / "out.exr", result);
-  CHECK_FALSE(has(channel_names(folder / "out.exr"), "density.samples"));
   CHECK(read_raw(folder / "out.exr", 0, "noisy.R") == read_raw(folder / "in.exr", 0, "noisy.R"));
   write_result(folder / "out.exr", source, result, {.error = false, .noisy = true});
   CHECK_FALSE(has(channel_names(folder / "out.exr"), "error.R"));
