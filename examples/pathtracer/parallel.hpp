@@ -50,7 +50,7 @@ class Parallel {
     const std::lock_guard lock(mutex_);
     if (cancelled_) return;
     done_ += units;
-    if (!execution_.progress(std::min(done_ / total_, 1.0))) cancelled_ = true;
+    if (!execution_.progress(total_ > 0 ? std::min(done_ / total_, 1.0) : 1.0)) cancelled_ = true;
   }
 
   const stein::Execution& execution_;

@@ -7,27 +7,13 @@
 #include "catch.hpp"
 #include "risk/sure.hpp"
 #include "support/noisy_scene.hpp"
+#include "support/statistics.hpp"
 #include "support/synthetic.hpp"
 
 namespace stein::test {
 namespace {
 
 constexpr float kStep = 0.02F;  // of Monte Carlo perturbations, in standard deviations
-
-struct Mean {
-  double sum = 0;
-  double sum_of_squares = 0;
-  int count = 0;
-  void add(double v) {
-    sum += v;
-    sum_of_squares += v * v;
-    ++count;
-  }
-  [[nodiscard]] double value() const { return sum / count; }
-  [[nodiscard]] double standard_error() const {
-    return std::sqrt((sum_of_squares / count - value() * value()) / (count - 1));
-  }
-};
 
 std::vector<FilterSpec> specs() {
   std::vector<FilterSpec> all;
@@ -116,8 +102,8 @@ std::size_t argmin(const NoisyScene& scene, const BankResult& bank, int x, int y
 }
 
 struct Biases {
-  std::vector<Mean> plain, joint, monte_carlo, closed_minus_monte_carlo, error;  // per candidate
-  Mean choice;
+  std::vector<Statistics> plain, joint, monte_carlo, closed_minus_monte_carlo, error;  // per candidate
+  Statistics choice;
 };
 
 Biases measure(const FilterSpec& spec, NoisyScene& scene, int realisations) {
@@ -146,26 +132,26 @@ Biases measure(const FilterSpec& spec, NoisyScene& scene, int realisations) {
   return all;
 }
 
-void check_unbiased(const Mean& bias) {
-  INFO("bias " << bias.value() << " +- " << bias.standard_error());
-  CHECK(std::abs(bias.value()) < 4.0 * bias.standard_error());
+void check_unbiased(const Statistics& bias) {
+  INFO("bias " << bias.mean() << " +- " << bias.standard_error());
+  CHECK(std::abs(bias.mean()) < 4.0 * bias.standard_error());
 }
 
 void check_risks(const FilterSpec& spec, NoisyScene& scene, int realisations) {
   const Biases all = measure(spec, scene, realisations);
   for (std::size_t k = 0; k < all.error.size(); ++k) {
-    INFO(filter_name(spec) << ", " << candidate_names(spec)[k + 1] << ", true error " << all.error[k].value());
+    INFO(filter_name(spec) << ", " << candidate_names(spec)[k + 1] << ", true error " << all.error[k].mean());
     check_unbiased(all.monte_carlo[k]);
-    CHECK(all.monte_carlo[k].standard_error() < 0.02 * all.error[k].value());  // sharp enough to notice a missing term
+    CHECK(all.monte_carlo[k].standard_error() < 0.02 * all.error[k].mean());  // sharp enough to notice a missing term
     if (!has_derivative(spec)) continue;
     check_unbiased(all.joint[k]);
-    CHECK(all.joint[k].standard_error() < 0.02 * all.error[k].value());
+    CHECK(all.joint[k].standard_error() < 0.02 * all.error[k].mean());
     check_unbiased(all.closed_minus_monte_carlo[k]);
   }
-  if (all.choice.count == 0) return;
+  if (all.choice.count() == 0) return;
   // What is chosen by its own risk looks better than it is (docs/selection.md): a choice per pixel is no fixed filter.
-  INFO(filter_name(spec) << ": bias of the choice " << all.choice.value() << " +- " << all.choice.standard_error());
-  CHECK(all.choice.value() < -4.0 * all.choice.standard_error());
+  INFO(filter_name(spec) << ": bias of the choice " << all.choice.mean() << " +- " << all.choice.standard_error());
+  CHECK(all.choice.mean() < -4.0 * all.choice.standard_error());
 }
 
 }  // namespace
@@ -197,10 +183,10 @@ TEST_CASE("risk: plain SURE fails where colour and features are noisy together")
   NoisyScene scene({.feature_noise = true, .seed = 99});
   const Biases all = measure(CrossBilateralParams{}, scene, 100);
   for (std::size_t k = 0; k < all.error.size(); ++k) {
-    INFO("plain bias " << all.plain[k].value() << " +- " << all.plain[k].standard_error() << ", true error "
-                       << all.error[k].value());
-    CHECK(all.plain[k].value() < -0.2 * all.error[k].value());
-    CHECK(all.plain[k].value() < -10.0 * all.plain[k].standard_error());
+    INFO("plain bias " << all.plain[k].mean() << " +- " << all.plain[k].standard_error() << ", true error "
+                       << all.error[k].mean());
+    CHECK(all.plain[k].mean() < -0.2 * all.error[k].mean());
+    CHECK(all.plain[k].mean() < -10.0 * all.plain[k].standard_error());
   }
 }
 

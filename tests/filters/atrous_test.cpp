@@ -8,6 +8,7 @@
 
 #include "catch.hpp"
 #include "support/atrous_reference.hpp"
+#include "support/statistics.hpp"
 #include "support/synthetic.hpp"
 
 namespace stein::test {
@@ -58,21 +59,6 @@ std::vector<AtrousSureParams> variants() {
 void fill(OwnedFrame& frame, const std::string& name, float value) {
   for (int y = 0; y < frame.frame().height; ++y) std::fill_n(frame.plane(name).row(y), frame.frame().width, value);
 }
-
-struct Mean {
-  double sum = 0;
-  double sum_of_squares = 0;
-  int count = 0;
-  void add(double v) {
-    sum += v;
-    sum_of_squares += v * v;
-    ++count;
-  }
-  [[nodiscard]] double value() const { return sum / count; }
-  [[nodiscard]] double standard_error() const {
-    return std::sqrt((sum_of_squares / count - value() * value()) / (count - 1));
-  }
-};
 
 // A flat image with white noise of variance 0.01 in each channel, and features that say nothing.
 void fill_flat(OwnedFrame& frame, Random& random) {
@@ -193,8 +179,8 @@ TEST_CASE("atrous: the noise of every level and of its details is what flat imag
   OwnedFrame frame(kSize, kSize, {});
   AtrousSureParams params = with_weight(0.0F);
   params.value_sigma = 0.0F;
-  std::vector<Mean> noise(5);   // of c at levels 1 to 5, over what is predicted
-  std::vector<Mean> energy(5);  // of the taps around their mean at levels 0 to 4, likewise
+  std::vector<Statistics> noise(5);   // of c at levels 1 to 5, over what is predicted
+  std::vector<Statistics> energy(5);  // of the taps around their mean at levels 0 to 4, likewise
   Random random(8);
   for (int r = 0; r < 20; ++r) {
     fill_flat(frame, random);
@@ -217,9 +203,9 @@ TEST_CASE("atrous: the noise of every level and of its details is what flat imag
     }
   }
   for (std::size_t l = 0; l < 5; ++l) {
-    INFO("level " << l << ", noise " << noise[l].value() << ", energy " << energy[l].value());
-    CHECK(std::abs(noise[l].value() - 1.0) < 4.0 * noise[l].standard_error());
-    CHECK(std::abs(energy[l].value() - 1.0) < 4.0 * energy[l].standard_error());
+    INFO("level " << l << ", noise " << noise[l].mean() << ", energy " << energy[l].mean());
+    CHECK(std::abs(noise[l].mean() - 1.0) < 4.0 * noise[l].standard_error());
+    CHECK(std::abs(energy[l].mean() - 1.0) < 4.0 * energy[l].standard_error());
     if (l < 3) CHECK(noise[l].standard_error() < 0.025);  // there a correlation of 0 would be far outside
     CHECK(energy[l].standard_error() < 0.06);
   }

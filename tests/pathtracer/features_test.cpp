@@ -4,7 +4,7 @@
 #include "catch.hpp"
 #include "path.hpp"
 #include "scenes/scenes.hpp"
-#include "statistics.hpp"
+#include "support/statistics.hpp"
 
 using namespace pathtracer;
 

@@ -7,7 +7,7 @@
 #include "lights.hpp"
 #include "path.hpp"
 #include "scenes/scenes.hpp"
-#include "statistics.hpp"
+#include "support/statistics.hpp"
 
 using namespace pathtracer;
 

@@ -11,7 +11,7 @@
 #include "random.hpp"
 #include "sampling.hpp"
 #include "scenes/scenes.hpp"
-#include "statistics.hpp"
+#include "support/statistics.hpp"
 
 using namespace pathtracer;
 

@@ -74,6 +74,75 @@ TEST_CASE("pathtracer: references hold the colour and its variance") {
   CHECK(loaded.channels().size() == 7);
 }
 
+TEST_CASE("pathtracer: adaptive sampling spends the budget exactly") {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      run_pathtracer({"--scene", "motion", "--size", "48x36", "--samples", "9", "--adaptive", "--iterations", "2", "-o",
+                      folder / "noisy.exr", "--denoised", folder / "clean.exr"});
+  INFO(outcome.err);
+  REQUIRE(outcome.exit_code == 0);
+  CHECK(outcome.out.find("9 samples per pixel on average") != std::string::npos);
+  const stein::exr::NamedPlanes counts = stein::exr::read_planes(folder / "noisy.exr", {"sampleCount"});
+  double sum = 0;
+  float least = 1e9F;
+  float most = 0;
+  for (int y = 0; y < 36; ++y) {
+    for (int x = 0; x < 48; ++x) {
+      const float n = counts.planes[0].row(y)[x];
+      sum += n;
+      least = std::min(least, n);
+      most = std::max(most, n);
+    }
+  }
+  CHECK(sum == 48 * 36 * 9);
+  CHECK(least >= 4);
+  CHECK(most > 12);
+  CHECK(stein::exr::read_planes(folder / "clean.exr", {"R", "error.G", "density.V", "choice.V"}).planes.size() == 4);
+}
+
+TEST_CASE("pathtracer: counts come from a file") {
+  const TemporaryFolder folder;
+  std::vector<std::uint32_t> counts(24 * 16);
+  for (std::size_t i = 0; i < counts.size(); ++i) counts[i] = static_cast<std::uint32_t>(i % 5);
+  const stein::ConstPlaneView view(counts.data(), stein::ScalarType::kUint32, 24, 16);
+  stein::exr::write_planes(folder / "counts.exr", {{"samples.V", view}});
+  const Outcome outcome =
+      run_pathtracer({"--scene", "spheres", "--counts", folder / "counts.exr", "-o", folder / "batch.exr", "--quiet"});
+  INFO(outcome.err);
+  REQUIRE(outcome.exit_code == 0);
+  const stein::exr::NamedPlanes planes = stein::exr::read_planes(folder / "batch.exr", {"sampleCount"});
+  for (int y = 0; y < 16; ++y) {
+    for (int x = 0; x < 24; ++x) {
+      REQUIRE(planes.planes[0].row(y)[x] == static_cast<float>(counts[static_cast<std::size_t>(24 * y + x)]));
+    }
+  }
+  const std::vector<float> bad(24 * 16, -1.0F);
+  stein::exr::write_planes(folder / "bad.exr", {{"samples.V", stein::ConstPlaneView(bad.data(), 24, 16)}});
+  const Outcome refused =
+      run_pathtracer({"--scene", "spheres", "--counts", folder / "bad.exr", "-o", folder / "batch2.exr"});
+  CHECK(refused.exit_code == 3);
+  CHECK(refused.err.find("at pixel (0, 0)") != std::string::npos);
+  const Outcome same =
+      run_pathtracer({"--scene", "spheres", "--counts", folder / "counts.exr", "-o", folder / "counts.exr"});
+  CHECK(same.exit_code == 2);
+  CHECK(folder.names() == std::vector<std::string>{"bad.exr", "batch.exr", "counts.exr"});
+}
+
+TEST_CASE("pathtracer: if one file cannot be written, the other does not stay") {
+  const TemporaryFolder folder;
+  const std::vector<std::string> size = {"--scene", "spheres", "--size", "16x12", "--samples", "4", "--quiet"};
+  const auto refused = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), size.begin(), size.end());
+    const Outcome outcome = run_pathtracer(arguments);
+    INFO(outcome.err);
+    CHECK(outcome.exit_code == 4);
+    CHECK(folder.names().empty());
+  };
+  refused({"-o", "/dev/full", "--dump", folder / "samples.exr"});
+  refused({"-o", "/dev/full", "--adaptive", "--denoised", folder / "clean.exr"});
+  refused({"-o", folder / "noisy.exr", "--adaptive", "--denoised", "/dev/full"});
+}
+
 TEST_CASE("pathtracer: bad arguments are told before anything is rendered") {
   const TemporaryFolder folder;
   const std::string out = folder / "out.exr";

@@ -2,12 +2,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <vector>
 
 #include "catch.hpp"
 #include "renderer.hpp"
 #include "scenes/scenes.hpp"
-#include "statistics.hpp"
+#include "stein/adaptive.hpp"
+#include "support/statistics.hpp"
 
 using namespace pathtracer;
 
@@ -151,6 +153,31 @@ TEST_CASE("uneven counts leave the mean of each pixel as it is") {
   CHECK(agree(image_mean(film), image_mean(rendered(scene, 32, 12))));
   const stein::Moments moments = film.moments();
   CHECK(moments.frame().sample_count.at(3, 0) == static_cast<float>(counts[3]));
+}
+
+TEST_CASE("adaptive sampling does not move the mean of the image") {
+  const Scene scene = cornell();
+  constexpr std::uint32_t kSamples = 12;
+  Statistics adaptive;
+  Statistics uniform;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    uniform.add(image_mean(rendered(scene, kSamples, 100 + seed)).mean);
+    stein::Accumulator film = new_film();
+    Renderer renderer(scene, kWidth, kHeight, seed);
+    std::optional<stein::Moments> moments;
+    stein::AdaptiveParams params;
+    params.budget = std::int64_t{kPixels} * kSamples;
+    const auto render = [&](const std::vector<std::uint32_t>& counts) {
+      renderer.render(counts.data(), film);
+      return moments.emplace(film.moments()).frame();
+    };
+    CHECK(stein::denoise_adaptively(kWidth, kHeight, render, params).samples == params.budget);
+    adaptive.add(image_mean(film).mean);
+  }
+  INFO(adaptive.mean() << " +- " << adaptive.standard_error() << ", " << uniform.mean() << " +- "
+                       << uniform.standard_error());
+  CHECK(uniform.standard_error() < 0.02 * uniform.mean());
+  CHECK(adaptive.agrees_with(uniform));
 }
 
 TEST_CASE("samples that are handed out are those in the film") {

@@ -10,7 +10,7 @@
 #include "environment.hpp"
 #include "mesh.hpp"
 #include "random.hpp"
-#include "statistics.hpp"
+#include "support/statistics.hpp"
 #include "texture.hpp"
 
 using namespace pathtracer;

@@ -12,6 +12,7 @@ class Statistics {
     mean_ += distance / count_;
     squares_ += distance * (value - mean_);
   }
+  [[nodiscard]] double count() const { return count_; }
   [[nodiscard]] double mean() const { return mean_; }
   [[nodiscard]] double standard_error() const { return std::sqrt(squares_ / (count_ * (count_ - 1))); }
 
