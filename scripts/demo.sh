@@ -1,30 +1,39 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 #
-# Builds stein, denoises the sample image, measures it against its reference, and leaves pictures in out/.
+# Builds stein and the example path tracer, renders a noisy image with uniform and with adaptive samples, denoises it, measures
+# it against its reference, and leaves pictures in out/.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 scripts/install-packages.sh
 cmake --preset release
-cmake --build --preset release --target stein_cli
+cmake --build --preset release --target stein_cli pathtracer
 
 stein=build/release/examples/cli/stein
-noisy=examples/data/cornell_8spp.exr
-reference=examples/data/cornell_reference.exr
+pathtracer=build/release/examples/pathtracer/pathtracer
+reference=examples/data/tea_table_reference.exr  # seed 1000, 1024 samples per pixel; R, G, B in half
+render=(--scene tea-table --size 320x240 --samples 16)
 mkdir -p out
 
-"$stein" denoise "$noisy" -o out/cornell.exr
-printf '\nBefore (8 samples per pixel), against the reference:\n'
-"$stein" compare "$noisy" "$reference"
-printf '\nAfter; "estimated" is what stein says without knowing the reference:\n'
-"$stein" compare out/cornell.exr "$reference"
+printf '\nRendering, 16 samples per pixel; then as many samples, where they lower the error most:\n'
+"$pathtracer" "${render[@]}" -o out/uniform.exr
+"$pathtracer" "${render[@]}" --adaptive -o out/adaptive.exr --denoised out/adaptive_denoised.exr
+"$stein" denoise out/uniform.exr -o out/uniform_denoised.exr
 
-"$stein" preview "$noisy" -o out/noisy.png
-"$stein" preview out/cornell.exr -o out/denoised.png
+printf '\nBefore (16 samples per pixel), against the reference:\n'
+"$stein" compare out/uniform.exr "$reference"
+printf '\nDenoised; "estimated" is what stein says without knowing the reference:\n'
+"$stein" compare out/uniform_denoised.exr "$reference"
+printf '\nAdaptive and denoised:\n'
+"$stein" compare out/adaptive_denoised.exr "$reference"
+
+"$stein" preview out/uniform.exr -o out/noisy.png
+"$stein" preview out/uniform_denoised.exr -o out/denoised.png
+"$stein" preview out/adaptive_denoised.exr -o out/adaptive_denoised.png
 "$stein" preview "$reference" -o out/reference.png
-for layer in error choice density; do
-  "$stein" preview out/cornell.exr -o "out/$layer.png" --layer "$layer"
-done
+"$stein" preview out/adaptive.exr -o out/samples.png --layer sampleCount
+"$stein" preview out/adaptive_denoised.exr -o out/error.png --layer error
+"$stein" preview out/uniform_denoised.exr -o out/choice.png --layer choice
 printf '\nPictures:\n'
 ls out/*.png

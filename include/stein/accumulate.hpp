@@ -66,7 +66,8 @@ class Accumulator {
 
   /// All records: what another process needs in order to merge, given size and layout.
   [[nodiscard]] std::span<const double> state() const noexcept { return records_; }
-  /// Takes over all samples of an accumulator of the same size and layout.
+  /// Takes over all samples of an accumulator of the same size and layout. A pixel whose record cannot be used is
+  /// refused and counted as one sample.
   /// @throws Error kInvalidArgument if the number of values differs.
   void merge(std::span<const double> state);
 
@@ -113,6 +114,8 @@ class Accumulator {
   template <class Value>
   [[nodiscard]] bool usable(const Input<Value>& in, std::size_t first, std::size_t count) const noexcept;
   template <class Value>
+  [[nodiscard]] bool is_sound(const Input<Value>& in) const noexcept;
+  template <class Value>
   bool take(double* to, const Input<Value>& in) const noexcept;
   template <class Value>
   bool combine(double* to, const Input<Value>& in) const noexcept;
@@ -151,7 +154,9 @@ inline bool Accumulator::add(int x, int y, const float* sample) noexcept {
 }
 
 inline bool Accumulator::add(int x, int y, const Estimate& e) noexcept {
-  const double degrees = e.moments == nullptr ? 0 : e.degrees_of_freedom > 0 ? e.degrees_of_freedom : e.samples - 1;
+  const double degrees = e.moments == nullptr       ? 0
+                         : e.degrees_of_freedom > 0 ? e.degrees_of_freedom
+                                                    : std::max(e.samples - 1, 0.0);
   // Of n samples with a variance v of their mean, the squared deviations sum to v n (n - 1).
   return take(record(x, y), Input<float>{degrees + 1, e.samples, e.mean, e.moments, degrees * e.samples});
 }
@@ -179,8 +184,13 @@ inline void Accumulator::merge(std::span<const double> state) {
     double* to = records_.data() + i;
     to[kRejected] += from[kRejected];
     to[kRepaired] += from[kRepaired];
-    if (!(from[kSamples] > 0)) continue;
-    combine(to, Input<double>{from[kObservations], from[kSamples], from + kMeans, from + kMeans + channels_, 1});
+    if (from[kSamples] == 0) continue;
+    const Input<double> in{from[kObservations], from[kSamples], from + kMeans, from + kMeans + channels_, 1};
+    if (!is_sound(in)) {  // of another process: it may be anything
+      to[kRejected] += 1;
+      continue;
+    }
+    combine(to, in);
     for (std::size_t h = stride_ - (layout_.halves ? 2 * kHalf : 0); h < stride_; h += kHalf) {
       if (from[h] > 0) combine_half(to + h, from[h], from + h + 1);
     }
@@ -201,9 +211,13 @@ bool Accumulator::usable(const Input<Value>& in, std::size_t first, std::size_t 
 }
 
 template <class Value>
+bool Accumulator::is_sound(const Input<Value>& in) const noexcept {
+  return finite(in.samples) && in.samples > 0 && finite(in.observations) && in.observations >= 1 && usable(in, 0, 3);
+}
+
+template <class Value>
 bool Accumulator::take(double* to, const Input<Value>& in) const noexcept {
-  const bool sound = finite(in.samples) && in.samples > 0 && finite(in.observations) && in.observations >= 1;
-  if (!sound || !usable(in, 0, 3)) {
+  if (!is_sound(in)) {
     to[kRejected] += 1;
     return false;
   }

@@ -23,7 +23,8 @@ struct FeatureSigma {
 /// Which features guide a filter, and the smoothing of its risk: the feature terms of SBF Eq. 4 and 6.
 struct FeatureGuides {
   /// sigma_f by feature name. A feature of the frame that is not listed uses `other_feature_sigma`.
-  std::vector<FeatureSigma> feature_sigmas = {{"normal", 0.8F}, {"albedo", 0.25F}, {"depth", 0.6F}, {"position", 0.0F}};
+  std::vector<FeatureSigma> feature_sigmas = {{"normal", 0.8F},   {"albedo", 0.25F},   {"depth", 0.6F},
+                                              {"position", 0.0F}, {"position2", 0.0F}, {"normal2", 0.0F}};
   float other_feature_sigma = 0.6F;  ///< >= 0; 0: features that are not listed are not used
 
   /// Lower bound of the sum of two per-sample variances in Eq. 6. [1e-6..1]

@@ -207,7 +207,7 @@ void CrossNlmParams::check() const {
 
 FeatureGuides atrous_guides() {
   FeatureGuides guides;
-  guides.feature_sigmas = {{"normal", 1.04F}, {"albedo", 0.325F}, {"depth", 0.78F}, {"position", 0.0F}};
+  for (FeatureSigma& feature : guides.feature_sigmas) feature.sigma *= 1.3F;
   return guides;
 }
 

@@ -224,6 +224,28 @@ TEST_CASE("accumulator: what does not fit is refused") {
   expect_refusal("7 values", [&] { film.merge(state); });
 }
 
+TEST_CASE("accumulator: records of another process that cannot be used are refused and counted") {
+  const stein::SampleLayout layout;
+  Accumulator good(2, 1, layout);
+  Accumulator bad(2, 1, layout);
+  const std::array<float, 3> sample = {1, 2, 3};
+  for (Accumulator* film : {&good, &bad}) {
+    for (int x = 0; x < 2; ++x) {
+      film->add(x, 0, sample.data());
+      film->add(x, 0, sample.data());
+    }
+  }
+  std::vector<double> state(bad.state().begin(), bad.state().end());
+  const std::size_t field = GENERATE(0U, 1U, 4U);  // observations, samples, mean of R
+  state[field] = GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity());
+  good.merge(state);
+  CHECK(good.rejected() == 1);
+  const stein::Moments moments = good.moments();
+  CHECK(moments.frame().sample_count.at(0, 0) == 2);
+  CHECK(moments.frame().sample_count.at(1, 0) == 4);
+  CHECK(moments.frame().colour[0].at(0, 0) == 1);
+}
+
 TEST_CASE("accumulator: threads share it where their pixels differ") {
   const std::vector<Sample> samples = draw_samples(400, 9);
   const auto fill = [&](Accumulator& film, int first, int step) {

@@ -90,6 +90,14 @@ TEST_CASE("estimates: variances of few degrees of freedom stay so") {
   CHECK(at(film.moments().frame().colour_variance[1]) == Approx(0.25 / 2 * 6 / 7));
 }
 
+TEST_CASE("estimates: of less than one sample") {
+  Accumulator film(1, 1, {});
+  const std::array<float, 3> mean = {1, 2, 3};
+  const std::array<float, 6> moments = {};
+  CHECK(film.add(0, 0, {.samples = 0.5, .mean = mean.data(), .moments = moments.data()}));
+  CHECK(film.moments().frame().sample_count.at(0, 0) == 0.5F);
+}
+
 TEST_CASE("estimates: what cannot be used is refused or repaired") {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   std::vector<float> values(kChannels + moment_channels().size(), 0.25F);
