@@ -14,10 +14,8 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <string>
 #include <utility>
@@ -27,16 +25,6 @@
 #include "stein/moments.hpp"
 
 namespace stein {
-
-/// What many samples of one pixel, taken elsewhere, amount to.
-struct Estimate {
-  double samples = 1;           ///< > 0, what the mean is of; need not be a whole number
-  const float* mean = nullptr;  ///< SampleLayout::channels() values
-  /// Variances of the means, channels() values, then covariances of the means, pairs() values. Null: unknown. The
-  /// estimate then is one observation, and the variance comes from how estimates differ.
-  const float* moments = nullptr;
-  double degrees_of_freedom = 0;  ///< of `moments`; 0: samples - 1
-};
 
 /// Per-pixel moments of samples that come in any order. Memory: one allocation of 8 bytes times 4 + channels +
 /// (channels + pairs) + 8 with halves, per pixel: 384 bytes for albedo, normal and depth.
@@ -83,7 +71,6 @@ class Accumulator {
  private:
   static constexpr std::size_t kObservations = 0, kSamples = 1, kRejected = 2, kRepaired = 3, kMeans = 4;
   static constexpr std::size_t kHalf = 4;  // values of a half: samples, mean R, G, B
-  static constexpr double kLargest = std::numeric_limits<float>::max();
 
   // What goes into a record: a sample, an estimate or another record.
   template <class Value>
@@ -94,11 +81,6 @@ class Accumulator {
     const Value* deviations;  // null: none within
     double scale;             // of `deviations`
   };
-
-  // The exponent's bits: under -ffast-math a compiler may take std::isfinite to be true.
-  static bool finite(float v) noexcept { return (std::bit_cast<std::uint32_t>(v) & 0x7F800000U) != 0x7F800000U; }
-  static bool finite(double v) noexcept { return ((std::bit_cast<std::uint64_t>(v) >> 52U) & 0x7FFU) != 0x7FFU; }
-  static float to_float(double v) noexcept { return static_cast<float>(std::clamp(v, -kLargest, kLargest)); }
 
   // Where the deviations have the covariance of a colour channel with a channel after it.
   [[nodiscard]] std::size_t pair(std::size_t colour, std::size_t channel) const noexcept {
@@ -201,18 +183,19 @@ template <class Value>
 bool Accumulator::usable(const Input<Value>& in, std::size_t first, std::size_t count) const noexcept {
   bool good = true;
   for (std::size_t i = first; i < first + count; ++i) {
-    good &= finite(in.mean[i]);
+    good &= detail::finite(in.mean[i]);
     if (in.deviations == nullptr) continue;
-    good &= finite(in.deviations[i]) && in.deviations[i] >= 0;
+    good &= detail::finite(in.deviations[i]) && in.deviations[i] >= 0;
     for (std::size_t c = 0; layout_.covariances && c < std::min<std::size_t>(i, 3); ++c)
-      good &= finite(in.deviations[pair(c, i)]);
+      good &= detail::finite(in.deviations[pair(c, i)]);
   }
   return good;
 }
 
 template <class Value>
 bool Accumulator::is_sound(const Input<Value>& in) const noexcept {
-  return finite(in.samples) && in.samples > 0 && finite(in.observations) && in.observations >= 1 && usable(in, 0, 3);
+  return detail::finite(in.samples) && in.samples > 0 && detail::finite(in.observations) && in.observations >= 1 &&
+         usable(in, 0, 3);
 }
 
 template <class Value>
@@ -294,11 +277,11 @@ inline void Accumulator::write_pixel(const double* from, float* to, std::size_t 
   const double weight = (from[kObservations] - 1) * from[kSamples];
   const double scale = weight > 0 ? 1 / weight : 0;
   const double* values = from + kMeans;
-  *to = to_float(from[kSamples]);
-  for (std::size_t i = 0; i < channels_; ++i) *(to += plane) = to_float(values[i]);
-  for (std::size_t i = channels_; i < 2 * channels_ + pairs_; ++i) *(to += plane) = to_float(values[i] * scale);
+  *to = detail::to_float(from[kSamples]);
+  for (std::size_t i = 0; i < channels_; ++i) *(to += plane) = detail::to_float(values[i]);
+  for (std::size_t i = channels_; i < 2 * channels_ + pairs_; ++i) *(to += plane) = detail::to_float(values[i] * scale);
   for (std::size_t h = stride_ - (layout_.halves ? 2 * kHalf : 0); h < stride_; h += kHalf) {
-    for (std::size_t c = 0; c < 3; ++c) *(to += plane) = to_float(from[h + 1 + c]);
+    for (std::size_t c = 0; c < 3; ++c) *(to += plane) = detail::to_float(from[h + 1 + c]);
   }
 }
 

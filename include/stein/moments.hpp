@@ -3,8 +3,12 @@
 // What an Accumulator (accumulate.hpp) takes and gives. Header-only as that.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <numeric>
 #include <set>
 #include <string>
@@ -15,6 +19,18 @@
 #include "stein/frame.hpp"
 
 namespace stein {
+
+namespace detail {
+
+// The exponent's bits: under -ffast-math a compiler may take std::isfinite to be true.
+inline bool finite(float v) noexcept { return (std::bit_cast<std::uint32_t>(v) & 0x7F800000U) != 0x7F800000U; }
+inline bool finite(double v) noexcept { return ((std::bit_cast<std::uint64_t>(v) >> 52U) & 0x7FFU) != 0x7FFU; }
+inline float to_float(double v) noexcept {
+  constexpr double kLargest = std::numeric_limits<float>::max();
+  return static_cast<float>(std::clamp(v, -kLargest, kLargest));
+}
+
+}  // namespace detail
 
 /// A feature of the samples, as `Feature` of a frame.
 struct FeatureLayout {
@@ -50,6 +66,16 @@ inline void check(const SampleLayout& layout) {
     }
   }
 }
+
+/// What many samples of one pixel, taken elsewhere, amount to.
+struct Estimate {
+  double samples = 1;           ///< > 0, what the mean is of; need not be a whole number
+  const float* mean = nullptr;  ///< SampleLayout::channels() values
+  /// Variances of the means, channels() values, then covariances of the means, pairs() values. Null: unknown. The
+  /// estimate then is one observation, and the variance comes from how estimates differ.
+  const float* moments = nullptr;
+  double degrees_of_freedom = 0;  ///< of `moments`; 0: samples - 1
+};
 
 /// Planes of means, variances of the means, covariances of the means, and sample counts. Owns them; move-only.
 class Moments {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "pipeline/density_rows.hpp"
 #include "pipeline/relative_risk.hpp"
 #include "risk/sure.hpp"
 #include "select/selection.hpp"
@@ -232,7 +233,11 @@ void Stages::mix_row(const Rect& tile, int y, float* lines) {
     float* risk = raw_errors_.row(c, y) + tile.x0;
     sure_row(F, D, mean, variance, n, risk);
     add_relative_error(tile, y, F, risk);
-    if (raw_errors_.count > kNoiseMap) add_noise(tile, y, c, F, D);
+    if (raw_errors_.count > kNoiseMap) {
+      float* noise = raw_errors_.row(kNoiseMap, y) + tile.x0;
+      if (c == 0) std::fill_n(noise, n, 0.0F);
+      add_kept_noise(F, D, n, noise);
+    }
   }
 }
 
@@ -242,13 +247,6 @@ void Stages::add_relative_error(const Rect& tile, int y, const float* F, const f
   for (int i = 0; i < tile.width(); ++i) {
     sums[(tile.x0 + i) / kSumBlock] += risk[i] / (static_cast<double>(F[i]) * F[i] + kRelativeEpsilon);
   }
-}
-
-// D over F^2 + 0.01, summed over the channels: what the result keeps of the pixel's own noise.
-void Stages::add_noise(const Rect& tile, int y, int channel, const float* F, const float* D) {
-  float* noise = raw_errors_.row(kNoiseMap, y) + tile.x0;
-  if (channel == 0) std::fill_n(noise, tile.width(), 0.0F);
-  for (int i = 0; i < tile.width(); ++i) noise[i] += std::max(D[i], 0.0F) / (F[i] * F[i] + kRelativeEpsilon);
 }
 
 double Stages::mean_relative_error() const {
@@ -266,49 +264,13 @@ void Stages::finish(const Rect& tile, int slot) {
   }
 }
 
-// Before normalisation.
 void Stages::density_row(const Rect& tile, int y, float* lines) {
-  const int n = tile.width();
   float* density = result_.density.row(y) + tile.x0;
-  float* count = lines;
-  sample_count_row(source_.frame(), y, tile.x0, n, count);
-  std::fill_n(density, n, 0.0F);
   if (params_.density.rule == DensityRule::kAllSamples) {
-    all_samples_row(tile, y, count, density);
+    all_samples_row(source_, tile, y, errors_.row(kNoiseMap, y) + tile.x0, lines, density);
   } else {
-    next_samples_row(tile, y, count, lines + geometry_.tile_width, density);
+    next_samples_row(source_, params_, result_, tile, y, lines, geometry_.tile_width, density);
   }
-}
-
-// For given weights w_ij of a linear filter and samples of variance s_j, the noise left in the image is
-// sum_i W_i sum_j w_ij^2 s_j / n_j, least for a sum of all n_j where n_j^2 is proportional to s_j sum_i W_i w_ij^2.
-// Weights change little over a window: that sum is about W_j w_jj, and s_j w_jj = n_j D_j.
-void Stages::all_samples_row(const Rect& tile, int y, const float* count, float* density) const {
-  const float* noise = errors_.row(kNoiseMap, y) + tile.x0;
-  for (int i = 0; i < tile.width(); ++i) density[i] = std::sqrt(noise[i] * count[i]);
-}
-
-// SBF Eq. 9: S = (SURE + sigma^2) / (I^2 + eps), with the mean over the channels of the estimated error and of the
-// per-sample variance, and I the luminance of the result.
-void Stages::next_samples_row(const Rect& tile, int y, const float* count, float* lines, float* density) const {
-  const int n = tile.width();
-  const auto line = [&](int i) { return lines + i * geometry_.tile_width; };
-  float* mean = line(0);
-  float* variance = line(1);
-  float* luminance = line(2);
-  std::fill_n(luminance, n, 0.0F);
-  for (std::size_t c = 0; c < 3; ++c) {
-    source_.input_row(c, y, tile.x0, n, mean, variance);
-    const float* error = result_.error[c].row(y) + tile.x0;
-    const float* F = result_.colour[c].row(y) + tile.x0;
-    for (int i = 0; i < n; ++i) {
-      const float sample_variance = variance[i] > 0.0F ? variance[i] * count[i] : 0.0F;
-      density[i] += (error[i] + sample_variance) / 3.0F;
-      luminance[i] += params_.luminance_weights[c] * F[i];
-    }
-  }
-  const float epsilon = params_.density.epsilon;
-  for (int i = 0; i < n; ++i) density[i] = std::max(density[i], 0.0F) / (luminance[i] * luminance[i] + epsilon);
 }
 
 }  // namespace stein

@@ -53,10 +53,7 @@ class Stages {
 
   void mix_row(const Rect& tile, int y, float* lines);
   void add_relative_error(const Rect& tile, int y, const float* F, const float* risk);
-  void add_noise(const Rect& tile, int y, int channel, const float* F, const float* D);
   void density_row(const Rect& tile, int y, float* lines);
-  void all_samples_row(const Rect& tile, int y, const float* count, float* density) const;
-  void next_samples_row(const Rect& tile, int y, const float* count, float* lines, float* density) const;
   [[nodiscard]] float* lines_of(int slot) { return lines_[static_cast<std::size_t>(slot)].data(); }
 
   const Source& source_;
