@@ -85,6 +85,46 @@ struct CrossNlmParams {
 /// The smaller window for use between sampling iterations.
 [[nodiscard]] CrossNlmParams intermediate_cross_nlm();
 
+/// What the candidates of a regression are judged by.
+enum class OrderError : std::uint8_t {
+  kRisk,    ///< SURE, from the equivalent kernel and its derivative
+  kTaylor,  ///< AOS Eq. 16: variance, and the bias that a fit of two orders more sees
+};
+
+/// Local polynomial regression on features, AOS (Yuan, Zheng, Zheng, Liu 2018) Eq. 6-16: one candidate per order and
+/// range sigma.
+struct AdaptiveOrderParams {
+  static constexpr std::string_view kName = "adaptive-order";
+  static constexpr bool kHasDerivative = true;
+
+  /// Of the partial polynomials (AOS Eq. 7), ascending, of 0, 1 and 3; 0 is a weighted mean.
+  std::vector<int> orders = {0, 1, 3};
+  OrderError error = OrderError::kRisk;
+
+  /// sigma_r of weights by patches of the colour, as CrossNlmParams' with normalised distances; empty: weights do not
+  /// depend on the colour.
+  std::vector<float> range_sigmas = {0.71F, 1.0F, 1.41F};
+  float spatial_sigma = 0.0F;  ///< h of AOS Eq. 8, [0.5..100] px; 0: all of the window counts alike
+  int window_radius = 9;       ///< [1..20] px
+  int patch_radius = 2;        ///< as for CrossNlmParams
+  float patch_blur = 1.0F;     ///< as for CrossNlmParams
+
+  /// Directions of feature space count whose variance over the window is this many times that of their noise. [1..1e6]
+  float noise_threshold = 10.0F;
+  /// Pixels that speak against any slope: with a weight sum near this, polynomials come close to their mean. [0..1e6]
+  float ridge = 3.0F;
+
+  /// The features with a sigma are what is regressed on, at most 12 channels; only the smoothing of the risk makes use
+  /// of the sigma's value.
+  FeatureGuides guides;
+
+  void check() const;                                              ///< see stein::check
+  [[nodiscard]] std::vector<std::string> candidate_names() const;  ///< without the unfiltered input
+};
+
+/// The smaller window for use between sampling iterations (AOS sec. 6).
+[[nodiscard]] AdaptiveOrderParams intermediate_adaptive_order();
+
 /// Isotropic Gaussian bank, SBF sec. 5.4: no features, one candidate per spatial scale. A baseline.
 struct GaussianParams {
   static constexpr std::string_view kName = "gaussian";
@@ -140,7 +180,8 @@ struct AtrousSureParams {
   [[nodiscard]] std::vector<std::string> candidate_names() const;  ///< without the unfiltered input
 };
 
-using FilterSpec = std::variant<CrossBilateralParams, CrossNlmParams, GaussianParams, AtrousParams, AtrousSureParams>;
+using FilterSpec = std::variant<CrossBilateralParams, CrossNlmParams, GaussianParams, AtrousParams, AtrousSureParams,
+                                AdaptiveOrderParams>;
 
 /// The name of a filter, as on the command line.
 [[nodiscard]] std::string_view filter_name(const FilterSpec& spec);

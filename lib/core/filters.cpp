@@ -165,6 +165,22 @@ CrossNlmParams intermediate_cross_nlm() {
 
 std::vector<std::string> CrossNlmParams::candidate_names() const { return names_of("sigma_r", range_sigmas); }
 
+AdaptiveOrderParams intermediate_adaptive_order() {
+  AdaptiveOrderParams params;
+  params.window_radius = 5;
+  return params;
+}
+
+std::vector<std::string> AdaptiveOrderParams::candidate_names() const {
+  const std::vector<std::string> sigmas =
+      range_sigmas.empty() ? std::vector<std::string>{""} : names_of(" sigma_r", range_sigmas);
+  std::vector<std::string> names;
+  for (const std::string& sigma : sigmas) {
+    for (const int order : orders) names.push_back("order=" + std::to_string(order) + sigma);
+  }
+  return names;
+}
+
 std::vector<std::string> AtrousParams::candidate_names() const { return {"levels=" + std::to_string(levels)}; }
 
 std::vector<std::string> AtrousSureParams::candidate_names() const { return {"levels=" + std::to_string(levels)}; }
@@ -202,6 +218,27 @@ void CrossNlmParams::check() const {
   require_in_range(prefix + "window_radius", static_cast<float>(window_radius), 1.0F, 32.0F, "px");
   require_in_range(prefix + "patch_radius", static_cast<float>(patch_radius), 0.0F, 4.0F, "px");
   require_in_range(prefix + "patch_blur", patch_blur, 0.0F, 1.0F);
+  guides.check(std::string(kName));
+}
+
+void AdaptiveOrderParams::check() const {
+  const std::string prefix = std::string(kName) + ": ";
+  if (orders.empty()) out_of_range(prefix + "the number of orders", "0", "in [1..3]");
+  for (std::size_t i = 0; i < orders.size(); ++i) {
+    const std::string what = prefix + "orders[" + std::to_string(i) + "]";
+    const bool is_known = orders[i] == 0 || orders[i] == 1 || orders[i] == 3;
+    if (!is_known) out_of_range(what, std::to_string(orders[i]), "0, 1 or 3");
+    if (i > 0 && orders[i] <= orders[i - 1]) {
+      out_of_range(what, std::to_string(orders[i]), "above the one before it: list them in ascending order");
+    }
+  }
+  if (!range_sigmas.empty()) require_sigmas(prefix, "range_sigmas", range_sigmas, {0.05F, 100.0F, "", 3});
+  if (spatial_sigma != 0.0F) require_in_range(prefix + "spatial_sigma (0: off)", spatial_sigma, 0.5F, 100.0F, "px");
+  require_in_range(prefix + "window_radius", static_cast<float>(window_radius), 1.0F, 20.0F, "px");
+  require_in_range(prefix + "patch_radius", static_cast<float>(patch_radius), 0.0F, 4.0F, "px");
+  require_in_range(prefix + "patch_blur", patch_blur, 0.0F, 1.0F);
+  require_in_range(prefix + "noise_threshold", noise_threshold, 1.0F, 1e6F);
+  require_in_range(prefix + "ridge", ridge, 0.0F, 1e6F, "px");
   guides.check(std::string(kName));
 }
 

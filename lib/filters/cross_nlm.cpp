@@ -13,11 +13,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <numbers>
 
 #include "filters/blurred_rows.hpp"
 #include "filters/filter.hpp"
+#include "filters/nlm_taps.hpp"
 
 namespace stein {
 namespace {
@@ -25,26 +25,7 @@ namespace {
 constexpr double kLog2E = std::numbers::log2e;
 constexpr float kSlope = static_cast<float>(2.0 * std::numbers::ln2);  // see CrossBilateralRow::covariance
 
-// Neighbours whose patches, of blurred colours, depend on the pixel.
-int near_radius(const CrossNlmParams& params) { return std::min(params.patch_radius + 1, params.window_radius); }
-
 int tile_halo(const CrossNlmParams& params) { return params.window_radius + std::max(params.patch_radius, 1); }
-
-// Offsets of the window, the near ones first, padded to whole batches.
-std::vector<std::ptrdiff_t> window_taps(const CrossNlmParams& params, const exec::TileLayout& layout) {
-  std::vector<std::ptrdiff_t> taps;
-  const int radius = params.window_radius;
-  for (const bool is_near : {true, false}) {
-    for (int dy = -radius; dy <= radius; ++dy) {
-      for (int dx = -radius; dx <= radius; ++dx) {
-        const bool near = std::max(std::abs(dx), std::abs(dy)) <= near_radius(params);
-        if (near == is_near) taps.push_back(layout.offset(dx, dy));
-      }
-    }
-  }
-  while (taps.size() % kernels::kTapBatch != 0) taps.push_back(0);
-  return taps;
-}
 
 class CrossNlm final : public PreparedFilter {
  public:
@@ -53,10 +34,10 @@ class CrossNlm final : public PreparedFilter {
         guides_(context.guides),
         divergence_(context.divergence),
         layout_(context.tile_width, context.tile_height, tile_halo(params)),
-        taps_(window_taps(params, layout_)) {
+        taps_(nlm_taps({params.window_radius, params.patch_radius}, layout_)) {
     rows_.taps = taps_.data();
     rows_.tap_count = (2 * params.window_radius + 1) * (2 * params.window_radius + 1);
-    rows_.near_radius = near_radius(params);
+    rows_.near_radius = near_radius({params.window_radius, params.patch_radius});
     rows_.pitch = layout_.pitch;
     rows_.patch_radius = params.patch_radius;
     rows_.window_radius = params.window_radius;

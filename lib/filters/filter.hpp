@@ -92,6 +92,10 @@ struct FilterContext {
 [[nodiscard]] GuideRows make_guides(const CrossNlmParams& params, const Source& source, int rows);
 [[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const CrossNlmParams& params, const FilterContext& context);
 
+[[nodiscard]] std::vector<int> halos(const AdaptiveOrderParams& params);
+[[nodiscard]] GuideRows make_guides(const AdaptiveOrderParams& params, const Source& source, int rows);
+[[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const AdaptiveOrderParams& params, const FilterContext& context);
+
 /// The overloads for the alternative that `spec` holds.
 [[nodiscard]] std::vector<int> halos(const FilterSpec& spec);
 [[nodiscard]] GuideRows make_guides(const FilterSpec& spec, const Source& source, int rows);

@@ -121,8 +121,9 @@ DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {
   const int ring_rows = window_rows(params, risk.method, geometry);
   FilterRuns runs(source, params, risk.method, geometry, ring_rows, runner.slots());
   Surveyor surveyor(source, runs, geometry, runner.slots());
-  // Filters of several passes need nearly all rows for a few: they do without a prior.
-  const bool has_prior = params.selection == Selection::kEvidence && runs.passes() == 1;
+  // Filters of many passes need nearly all rows of each for a few of the last: they do without a prior.
+  constexpr int kMostPasses = 2;
+  const bool has_prior = params.selection == Selection::kEvidence && runs.passes() <= kMostPasses;
   Survey prior;
   if (has_prior) clock.measure("survey", [&] { prior = survey(surveyor, runs, geometry, runner, kSurveyShare); });
 

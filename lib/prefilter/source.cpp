@@ -12,10 +12,8 @@ namespace stein {
 namespace {
 
 constexpr int kChunk = 512;
-// Variance of a feature that is to count nothing: large against any scaled distance, small enough not to overflow with
-// it.
-constexpr float kNoInformation = 1e10F;
-// Scaled features are clipped to this: the square of their difference stays finite, and far below kNoInformation.
+// Scaled features are clipped to this: the square of their difference stays finite, and far below
+// Source::kNoInformation.
 constexpr float kLargest = 1e4F;
 constexpr float kMostSamples = 1e9F;
 // What the neighbours' mean weighs next to a feature's variance of few degrees of freedom, in degrees of freedom, and
@@ -292,6 +290,23 @@ void Source::feature_row(std::size_t feature, float factor, int y, int x, int co
       for (std::size_t k = 0; k < channels; ++k) means[k][start + i] = 0.0F;
       variance[start + i] = kNoInformation;
     }
+  }
+}
+
+void Source::feature_variance_row(std::size_t feature, std::size_t k, int y, int x, int count, float* out) const {
+  const Feature& source = frame_.features[feature];
+  const float scale = feature_scales_[feature];
+  std::fill_n(out, count, 0.0F);
+  if (!source.variance.empty()) {
+    source.variance[k].read_row(y, x, count, out);
+    for (int i = 0; i < count; ++i) out[i] = std::min(out[i] * (scale * scale), kNoInformation);
+  }
+  if (feature_has_bad_[feature] == 0) return;
+  float is_usable[kChunk];
+  for (int start = 0; start < count; start += kChunk) {
+    const int part = std::min(kChunk, count - start);
+    feature_validity_row(source, y, x + start, part, is_usable);
+    for (int i = 0; i < part; ++i) out[start + i] = is_usable[i] != 0.0F ? out[start + i] : kNoInformation;
   }
 }
 

@@ -78,6 +78,10 @@ class Source {
   /// feature is unusable: means 0 and a variance that takes it out of any distance.
   void feature_row(std::size_t feature, float factor, int y, int x, int count, float* const* means,
                    float* variance) const;
+  /// Variance of the mean of channel k of a feature in normalised units; kNoInformation where the feature is unusable.
+  void feature_variance_row(std::size_t feature, std::size_t k, int y, int x, int count, float* out) const;
+  /// Variance of what is to count nothing: large against any normalised distance, and does not overflow with it.
+  static constexpr float kNoInformation = 1e10F;
 
  private:
   template <class Visit>

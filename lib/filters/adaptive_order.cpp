@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Local polynomial regression on features. AOS: Yuan, Zheng, Zheng, Liu, "Adaptive Rendering based on Adaptive Order
+// Selection", 2018.
+//
+// Where this differs from the paper: docs/filters/adaptive_order.md.
+//
+// symbol              | here                              | Eq.
+// x_i                 | filters/smooth_features.cpp       | sec. 6
+// truncated SVD       | kernels/feature_basis-inl.hpp     | sec. 6
+// X, W, beta, l_i     | kernels/local_polynomial.cpp      | 4, 7-9
+// bias, variance, MSE | kernels/local_polynomial.cpp      | 11-13, 16
+// order               | the choice of the pipeline        | algorithm 1
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "filters/blurred_rows.hpp"
+#include "filters/filter.hpp"
+#include "filters/nlm_taps.hpp"
+#include "filters/smooth_features.hpp"
+#include "kernels/local_polynomial.hpp"
+#include "stein/error.hpp"
+
+namespace stein {
+namespace {
+
+constexpr double kLog2E = std::numbers::log2e;
+
+NlmWindow window_of(const AdaptiveOrderParams& params) { return {params.window_radius, params.patch_radius}; }
+
+int tile_halo(const AdaptiveOrderParams& params) { return params.window_radius + std::max(params.patch_radius, 1); }
+
+class AdaptiveOrder final : public PreparedFilter {
+ public:
+  AdaptiveOrder(const AdaptiveOrderParams& params, const FilterContext& context)
+      : source_(context.source),
+        divergence_(context.divergence),
+        layout_(context.tile_width, context.tile_height, tile_halo(params)),
+        features_(context.source, params.guides, context.tile_width, context.tile_height, context.window_rows),
+        taps_(nlm_taps(window_of(params), layout_)) {
+    set_taps(params);
+    set_weights(params);
+    rows_.features = features_.channels();
+    if (rows_.features > kernels::kMaxRegressionFeatures) {
+      throw Error(ErrorCode::kInvalidArgument, "the frame has " + std::to_string(rows_.features) +
+                                                   " feature channels to regress on; at most " +
+                                                   std::to_string(kernels::kMaxRegressionFeatures) +
+                                                   " can be: give those that matter less the sigma 0");
+    }
+    rows_.has_feature_covariance = divergence_ == Divergence::kJoint && features_.has_covariance();
+    rows_.noise_threshold = params.noise_threshold;
+    rows_.ridge = params.ridge;
+    rows_.is_taylor = params.error == OrderError::kTaylor;
+    for (const int order : params.orders) rows_.order[rows_.orders++] = order;
+  }
+
+  [[nodiscard]] int candidates() const noexcept override { return rows_.weights.candidates * rows_.orders; }
+
+  void run(int pass, const Rect& tile, FilterScratch& scratch, const CandidateRows& out) const override {
+    if (pass == 0) {
+      features_.prepare(tile, scratch);
+    } else {
+      fit(tile, scratch, out);
+    }
+  }
+
+ private:
+  // Planes of a tile.
+  static constexpr int kMask = 0;
+  static constexpr int kColour = 1;
+  static constexpr int kBlurred = kColour + 3;
+  static constexpr int kVariance = kBlurred + kBlurredPlanes;
+  static constexpr int kFeatures = kVariance + 3;  // means and variances in turn
+  static constexpr int kOwnColour = 6;             // planes of the pixels' own covariances, the features' behind them
+
+  void set_taps(const AdaptiveOrderParams& params) {
+    // One pixel's step such that the window has variance 1.
+    const double radius = params.window_radius;
+    const double unit = 1.0 / std::sqrt(radius * (radius + 1.0) / 3.0);
+    const double sigma = params.spatial_sigma;
+    const double exponent = sigma > 0 ? kLog2E / (2.0 * sigma * sigma) : 0.0;
+    for_each_nlm_tap(window_of(params), [&](int dx, int dy) {
+      position_[0].push_back(static_cast<float>(dx * unit));
+      position_[1].push_back(static_cast<float>(dy * unit));
+      spatial_.push_back(static_cast<float>((dx * dx + dy * dy) * exponent));
+    });
+    for (std::vector<float>* list : {&position_[0], &position_[1], &spatial_}) list->resize(taps_.size());
+    rows_.position[0] = position_[0].data();
+    rows_.position[1] = position_[1].data();
+    rows_.spatial = spatial_.data();
+  }
+
+  void set_weights(const AdaptiveOrderParams& params) {
+    kernels::CrossNlmRows& weights = rows_.weights;
+    weights.taps = taps_.data();
+    weights.tap_count = (2 * params.window_radius + 1) * (2 * params.window_radius + 1);
+    weights.near_radius = near_radius(window_of(params));
+    weights.pitch = layout_.pitch;
+    weights.patch_radius = params.patch_radius;
+    weights.window_radius = params.window_radius;
+    weights.blur = params.patch_blur;
+    weights.is_normalised = true;
+    rows_.has_colour_weights = !params.range_sigmas.empty();
+    weights.candidates = rows_.has_colour_weights ? static_cast<int>(params.range_sigmas.size()) : 1;
+    weights.exponent[0] = 1.0F;
+    weights.slope[0] = 0.0F;
+    for (std::size_t s = 0; s < params.range_sigmas.size(); ++s) {
+      const double sigma = params.range_sigmas[s];
+      weights.exponent[s] = static_cast<float>(kLog2E / (2.0 * sigma * sigma));
+      weights.slope[s] = static_cast<float>(1.0 / (sigma * sigma));
+    }
+  }
+
+  void fit(const Rect& tile, FilterScratch& scratch, const CandidateRows& out) const {
+    exec::TilePlanes& planes = scratch.tile;
+    load(tile, planes);
+    kernels::LocalPolynomialRows rows = rows_;
+    rows.weights.count = tile.width();
+    const int columns = kernels::most_columns(rows.order[rows.orders - 1], rows.is_taylor);
+    const std::size_t own_floats = own_planes() * plane_floats();
+    float* own = scratch.lines.reserve(
+        own_floats + kernels::local_polynomial_scratch(rows.weights.candidates, columns, rows.orders, rows.features));
+    rows.scratch = own + own_floats;
+    for (int y = 0; y < tile.height(); y += kernels::kNlmBlockRows) {
+      rows.weights.rows = std::min(kernels::kNlmBlockRows, tile.height() - y);
+      const Rect target{tile.x0, tile.y0 + y, tile.x1, tile.y0 + y + rows.weights.rows};
+      set_inputs(planes, y, rows);
+      load_own(target, own, rows);
+      set_outputs(target, out, rows);
+      kernels::local_polynomial_rows(rows);
+      if (rows.is_taylor) give_error(target, out);
+    }
+  }
+
+  void load(const Rect& tile, exec::TilePlanes& planes) const {
+    const Frame& frame = source_.frame();
+    const int all = kFeatures + 2 * rows_.features;
+    planes.reserve(layout_, all);
+    load_tile(tile, frame.width, frame.height, planes, 0, all, [&](int y, int x, int n, float* const* rows) {
+      source_.mask_row(y, x, n, rows[kMask]);
+      for (std::size_t c = 0; c < 3; ++c) {
+        source_.colour_row(c, y, x, n, rows[kColour + c]);
+        if (rows_.is_taylor) source_.variance_row(c, y, x, n, rows[kVariance + c]);
+      }
+      blurred_row(source_, rows_.weights.blur, y, x, n, rows + kBlurred);
+      for (int k = 0; k < rows_.features; ++k) {
+        std::copy_n(features_.mean(k, y) + x, n, rows[kFeatures + 2 * k]);
+        std::copy_n(features_.variance(k, y) + x, n, rows[kFeatures + 2 * k + 1]);
+      }
+    });
+  }
+
+  void set_inputs(const exec::TilePlanes& planes, int y, kernels::LocalPolynomialRows& rows) const {
+    rows.weights.guides.mask = planes.row(kMask, y);
+    for (int c = 0; c < 3; ++c) {
+      rows.weights.colour[c] = planes.row(kColour + c, y);
+      rows.weights.blurred[c] = planes.row(kBlurred + c, y);
+      rows.variance[c] = planes.row(kVariance + c, y);
+    }
+    rows.weights.gain = planes.row(kBlurred + 3, y);
+    rows.weights.noise = planes.row(kBlurred + 4, y);
+    for (int k = 0; k < rows_.features; ++k) {
+      rows.feature[k] = planes.row(kFeatures + 2 * k, y);
+      rows.feature_noise[k] = planes.row(kFeatures + 2 * k + 1, y);
+    }
+  }
+
+  [[nodiscard]] std::size_t own_planes() const {
+    return kOwnColour + (rows_.has_feature_covariance ? 3 * static_cast<std::size_t>(rows_.features) : 0);
+  }
+  [[nodiscard]] std::size_t plane_floats() const {  // one line more: planes do not share cache sets
+    return static_cast<std::size_t>(layout_.pitch) * kernels::kNlmBlockRows + kernels::kMaxLanes;
+  }
+
+  void load_own(const Rect& target, float* first, kernels::LocalPolynomialRows& rows) const {
+    const auto features = static_cast<std::size_t>(rows_.features);
+    for (std::size_t k = 0; k < own_planes(); ++k) {
+      const float*& plane = k < kOwnColour
+                                ? rows.weights.colour_covariance[k]
+                                : rows.feature_covariance[(k - kOwnColour) / features][(k - kOwnColour) % features];
+      plane = first + k * plane_floats();
+    }
+    constexpr std::size_t kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
+    const int n = target.width();
+    const int tail = (kernels::kMaxLanes - n % kernels::kMaxLanes) % kernels::kMaxLanes;
+    for (int y = 0; y < target.height(); ++y) {
+      const int image_y = target.y0 + y;
+      const auto row = [&](std::size_t k) { return first + k * plane_floats() + y * layout_.pitch; };
+      for (std::size_t k = 0; k < 6; ++k) {
+        if (k < 3 || divergence_ == Divergence::kJoint) {
+          source_.colour_covariance_row(kPairs[k][0], kPairs[k][1], image_y, target.x0, n, row(k));
+        } else {
+          std::fill_n(row(k), n, 0.0F);
+        }
+      }
+      float* feature_rows[3 * kernels::kMaxRegressionFeatures];
+      for (std::size_t k = kOwnColour; k < own_planes(); ++k) feature_rows[k - kOwnColour] = row(k);
+      if (rows.has_feature_covariance) features_.covariance_rows(image_y, target.x0, n, feature_rows);
+      for (std::size_t k = 0; k < own_planes(); ++k) std::fill_n(row(k) + n, tail, 0.0F);
+    }
+  }
+
+  void set_outputs(const Rect& target, const CandidateRows& out, kernels::LocalPolynomialRows& rows) const {
+    for (int y = 0; y < target.height(); ++y) {
+      for (int s = 0; s < candidates(); ++s) {
+        for (int c = 0; c < 3; ++c) {
+          rows.weights.result[y][s][c] = out.result(s, c, target.y0 + y) + target.x0;
+          rows.weights.divergence[y][s][c] = out.divergence(s, c, target.y0 + y) + target.x0;
+        }
+      }
+    }
+  }
+
+  // Turns an error into the D whose risk (F - y)^2 - V + 2 D it is.
+  void give_error(const Rect& target, const CandidateRows& out) const {
+    const int n = target.width();
+    std::vector<float> input(2 * static_cast<std::size_t>(n));
+    float* mean = input.data();
+    float* variance = mean + n;
+    for (int y = target.y0; y < target.y1; ++y) {
+      for (int c = 0; c < 3; ++c) {
+        source_.input_row(static_cast<std::size_t>(c), y, target.x0, n, mean, variance);
+        for (int s = 0; s < candidates(); ++s) {
+          const float* F = out.result(s, c, y) + target.x0;
+          float* D = out.divergence(s, c, y) + target.x0;
+          for (int i = 0; i < n; ++i) D[i] = 0.5F * (D[i] - (F[i] - mean[i]) * (F[i] - mean[i]) + variance[i]);
+        }
+      }
+    }
+  }
+
+  const Source& source_;
+  Divergence divergence_;
+  exec::TileLayout layout_;
+  SmoothFeatures features_;
+  std::vector<std::ptrdiff_t> taps_;
+  std::vector<float> position_[2];
+  std::vector<float> spatial_;
+  kernels::LocalPolynomialRows rows_;  // what all tiles share
+};
+
+}  // namespace
+
+std::vector<int> halos(const AdaptiveOrderParams& params) {
+  return {SmoothFeatures::kHalo, tile_halo(params) + kBlurRadius};
+}
+
+GuideRows make_guides(const AdaptiveOrderParams& params, const Source& source, int rows) {
+  return {source, params.guides, 0.0F, rows};
+}
+
+std::unique_ptr<PreparedFilter> prepare(const AdaptiveOrderParams& params, const FilterContext& context) {
+  return std::make_unique<AdaptiveOrder>(params, context);
+}
+
+}  // namespace stein

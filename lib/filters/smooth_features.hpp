@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Features with less noise: non-local means of each feature by its own patches (AOS sec. 6).
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "exec/buffers.hpp"
+#include "exec/rect.hpp"
+#include "filters/filter.hpp"
+#include "kernels/cross_nlm.hpp"
+#include "prefilter/source.hpp"
+
+namespace stein {
+
+/// AOS: Yuan, Zheng, Zheng, Liu, "Adaptive Rendering based on Adaptive Order Selection", 2018.
+class SmoothFeatures {
+ public:
+  static constexpr int kHalo = 7;  ///< of prepare(): the window and the patches
+
+  /// The frame's features that `guides` gives a sigma, in a window of `rows` rows.
+  SmoothFeatures(const Source& source, const FeatureGuides& guides, int tile_width, int tile_height, int rows);
+
+  /// Fills the tile's pixels.
+  void prepare(const Rect& tile, FilterScratch& scratch) const;
+
+  [[nodiscard]] int channels() const noexcept { return static_cast<int>(channels_.size()); }
+  /// The smoothed mean of a channel, normalised, and its variance; Source::kNoInformation where it is unusable.
+  [[nodiscard]] const float* mean(int channel, int y) const noexcept { return ring_.row(2 * channel, y); }
+  [[nodiscard]] const float* variance(int channel, int y) const noexcept { return ring_.row(2 * channel + 1, y); }
+
+  /// Covariances of the means of colour channel c and the smoothed channel k, pixel by pixel, to
+  /// rows[c * channels() + k].
+  [[nodiscard]] bool has_covariance() const noexcept;
+  void covariance_rows(int y, int x, int count, float* const* rows) const;
+
+ private:
+  struct Channel {
+    std::size_t feature = 0;
+    std::size_t k = 0;  // of the feature's
+  };
+  static constexpr std::size_t kTogether = 3;  // channels of a feature that share their weights
+
+  void load(const Rect& tile, std::size_t first, std::size_t count, exec::TilePlanes& planes) const;
+  void finish(const Rect& tile, std::size_t first, std::size_t count) const;
+
+  const Source& source_;
+  std::vector<Channel> channels_;
+  exec::TileLayout layout_;
+  std::vector<std::ptrdiff_t> taps_;
+  kernels::CrossNlmRows rows_;
+  exec::RowRing ring_;
+};
+
+}  // namespace stein

@@ -1,0 +1,540 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// AOS: Yuan, Zheng, Zheng, Liu, "Adaptive Rendering based on Adaptive Order Selection", 2018.
+// Joint SURE: Li, "Joint Stein's Unbiased Risk Estimation for Adaptive Sampling and Reconstruction", 2017.
+//
+// X, W, Y and beta are AOS's; X is centred at the pixel, so that its own row is e = (1, 0, ..., 0) and colours are
+// differences to its own. g = (X^T W X + ridge)^-1 e gives the equivalent kernel l_i = w_i g^T x_i (Eq. 4).
+#include "kernels/local_polynomial.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/local_polynomial.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "kernels/feature_basis-inl.hpp"
+#include "kernels/patch_distance-inl.hpp"
+#include "kernels/weights-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace stein::kernels::HWY_NAMESPACE {
+
+// Pivots below this share of their diagonal entry are rounding: the column depends on those before it.
+inline constexpr float kSingular = 1e-5F;
+
+// One vector of pixels.
+struct FitPixels {
+  std::ptrdiff_t x = 0;                       // the first one, its row included
+  const float* HWY_RESTRICT basis = nullptr;  // see feature_basis
+  int dimensions = 0;                         // of position and features
+  float* HWY_RESTRICT sums = nullptr;         // [range sigma] normal equations
+  float* HWY_RESTRICT fits = nullptr;         // [range sigma] see fit_floats
+  [[nodiscard]] int columns(int order) const { return 1 + order * dimensions; }
+};
+
+// A group of neighbours.
+struct TapGroup {
+  int first = 0;
+  int count = 0;           // a multiple of kTapBatch
+  TapDistances distances;  // of the first tap and pixel
+};
+
+// What a batch of neighbours brings.
+struct TapBatch {
+  FloatVec column[kMaxColumns][kTapBatch];  // x_i, by powers
+  FloatVec colour[3][kTapBatch];            // y_i - y_c
+};
+
+HWY_INLINE int highest_order(const LocalPolynomialRows& rows) { return rows.order[rows.orders - 1]; }
+HWY_INLINE int fitted_order(const LocalPolynomialRows& rows) { return highest_order(rows) + (rows.is_taylor ? 2 : 0); }
+
+// Row a of the upper triangle and the right-hand sides behind it.
+constexpr std::ptrdiff_t row_of(int columns, int a) {
+  return static_cast<std::ptrdiff_t>(a) * (columns + 3) - static_cast<std::ptrdiff_t>(a) * (a - 1) / 2;
+}
+
+// Partial polynomials, AOS Eq. 7; powers are scaled by the root of their second moment for normal variates.
+HWY_INLINE void fill_columns(FloatTag d, const LocalPolynomialRows& rows, const FitPixels& pixels, int tap, int order,
+                             TapBatch& batch) {
+  std::ptrdiff_t at[kTapBatch];
+  for (int t = 0; t < kTapBatch; ++t) {
+    at[t] = pixels.x + rows.weights.taps[tap + t];
+    batch.column[0][t] = hn::Set(d, 1.0F);
+    for (int c = 0; c < 3; ++c) {
+      batch.colour[c][t] =
+          hn::Sub(hn::LoadU(d, rows.weights.colour[c] + at[t]), hn::LoadU(d, rows.weights.colour[c] + pixels.x));
+    }
+  }
+  if (order == 0) return;
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  const int directions = pixels.dimensions - 2;
+  for (int t = 0; t < kTapBatch; ++t) {
+    batch.column[1][t] = hn::Set(d, rows.position[0][tap + t]);
+    batch.column[2][t] = hn::Set(d, rows.position[1][tap + t]);
+    for (int r = 0; r < directions; ++r) batch.column[3 + r][t] = hn::Zero(d);
+  }
+  for (int k = 0; k < rows.features && directions > 0; ++k) {
+    const FloatVec own = hn::LoadU(d, rows.feature[k] + pixels.x);
+    FloatVec e[kTapBatch];
+    for (int t = 0; t < kTapBatch; ++t) e[t] = hn::Sub(hn::LoadU(d, rows.feature[k] + at[t]), own);
+    for (int r = 0; r < directions; ++r) {
+      const FloatVec b = hn::Load(d, pixels.basis + (r * rows.features + k) * lanes);
+      for (int t = 0; t < kTapBatch; ++t) batch.column[3 + r][t] = hn::MulAdd(b, e[t], batch.column[3 + r][t]);
+    }
+  }
+  for (int power = 2; power <= order; ++power) {
+    const FloatVec scale = hn::Set(d, 1.0F / std::sqrt(static_cast<float>(2 * power - 1)));
+    const int last = 1 + (power - 2) * pixels.dimensions;
+    for (int k = 0; k < pixels.dimensions; ++k) {
+      for (int t = 0; t < kTapBatch; ++t) {
+        batch.column[last + pixels.dimensions + k][t] =
+            hn::Mul(hn::Mul(scale, batch.column[last + k][t]), batch.column[1 + k][t]);
+      }
+    }
+  }
+}
+
+// The weights of a range sigma; false if all of them are 0, and hence all of smaller ones.
+HWY_INLINE bool weights_of(FloatTag d, const LocalPolynomialRows& rows, int sigma, int tap,
+                           const float* HWY_RESTRICT distance, FloatVec (&w)[kTapBatch]) {
+  const FloatVec exponent = hn::Set(d, rows.weights.exponent[sigma]);
+  FloatVec total = hn::Zero(d);
+  for (int t = 0; t < kTapBatch; ++t) {
+    const FloatVec p = hn::Load(d, distance + t * static_cast<std::ptrdiff_t>(kNlmBlockPixels));
+    w[t] = exp2_negative(d, hn::MulAdd(exponent, p, hn::Set(d, rows.spatial[tap + t])));
+    total = hn::Add(total, w[t]);
+  }
+  return !hn::AllTrue(d, hn::Eq(total, hn::Zero(d)));
+}
+
+HWY_INLINE void add_to(FloatTag d, float* HWY_RESTRICT sum, const FloatVec (&a)[kTapBatch],
+                       const FloatVec (&b)[kTapBatch]) {
+  FloatVec total = hn::Load(d, sum);
+  for (int t = 0; t < kTapBatch; ++t) total = hn::MulAdd(a[t], b[t], total);
+  hn::Store(total, d, sum);
+}
+
+// Rows a and, with kPair, a + 1 of X^T W X and X^T W Y.
+template <bool kPair>
+HWY_INLINE void add_rows(FloatTag d, const TapBatch& batch, const FloatVec (&w)[kTapBatch], int columns, int a,
+                         float* HWY_RESTRICT sums) {
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  FloatVec u[kTapBatch];
+  FloatVec v[kTapBatch];
+  for (int t = 0; t < kTapBatch; ++t) {
+    u[t] = hn::Mul(w[t], batch.column[a][t]);
+    if constexpr (kPair) v[t] = hn::Mul(w[t], batch.column[a + 1][t]);
+  }
+  float* HWY_RESTRICT first = sums + row_of(columns, a) * lanes;
+  float* HWY_RESTRICT second = sums + row_of(columns, a + 1) * lanes;
+  add_to(d, first, u, batch.column[a]);
+  first += lanes;
+  for (int b = a + 1; b < columns; ++b, first += lanes, second += lanes) {
+    add_to(d, first, u, batch.column[b]);
+    if constexpr (kPair) add_to(d, second, v, batch.column[b]);
+  }
+  for (int c = 0; c < 3; ++c, first += lanes, second += lanes) {
+    add_to(d, first, u, batch.colour[c]);
+    if constexpr (kPair) add_to(d, second, v, batch.colour[c]);
+  }
+}
+
+HWY_INLINE void add_normal_equations(FloatTag d, const TapBatch& batch, const FloatVec (&w)[kTapBatch], int columns,
+                                     float* HWY_RESTRICT sums) {
+  int a = 0;
+  for (; a + 1 < columns; a += 2) add_rows<true>(d, batch, w, columns, a, sums);
+  if (a < columns) add_rows<false>(d, batch, w, columns, a, sums);
+}
+
+HWY_INLINE std::ptrdiff_t sums_step(FloatTag d, const LocalPolynomialRows& rows) {
+  return normal_equation_sums(most_columns(highest_order(rows), rows.is_taylor)) *
+         static_cast<std::ptrdiff_t>(hn::Lanes(d));
+}
+
+HWY_INLINE std::ptrdiff_t fits_step(FloatTag d, const LocalPolynomialRows& rows) {
+  return fit_floats(most_columns(highest_order(rows), rows.is_taylor), rows.orders) *
+         static_cast<std::ptrdiff_t>(hn::Lanes(d));
+}
+
+HWY_NOINLINE void add_group_to_equations(const LocalPolynomialRows& rows, const FitPixels& pixels,
+                                         const TapGroup& group) {
+  const FloatTag d;
+  const int order = fitted_order(rows);
+  TapBatch batch;
+  const float* distance = group.distances.distance;
+  for (int t = group.first; t < group.first + group.count; t += kTapBatch, distance += kTapBatch * kNlmBlockPixels) {
+    FloatVec w[kTapBatch];
+    int sigma = rows.weights.candidates - 1;
+    if (!weights_of(d, rows, sigma, t, distance, w)) continue;
+    fill_columns(d, rows, pixels, t, order, batch);
+    do {
+      add_normal_equations(d, batch, w, pixels.columns(order), pixels.sums + sigma * sums_step(d, rows));
+    } while (--sigma >= 0 && weights_of(d, rows, sigma, t, distance, w));
+  }
+}
+
+// X^T W X + ridge = L D L^T with the right-hand sides X^T W Y and e taken along; leading blocks are those of lower
+// orders.
+struct Factor {
+  int columns = 0;
+  float* HWY_RESTRICT rows;     // as the normal equations: D L^T, and what is left of their right-hand sides
+  float* HWY_RESTRICT inverse;  // of D; 0: the column depends on those before it
+  FloatVec unit[kMaxColumns];   // of e
+};
+
+HWY_INLINE void factorise(FloatTag d, const float* HWY_RESTRICT sums, float ridge, Factor& factor) {
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  const int n = factor.columns;
+  const FloatVec zero = hn::Zero(d);
+  std::copy_n(sums, normal_equation_sums(n) * lanes, factor.rows);
+  for (int a = 0; a < n; ++a) factor.unit[a] = hn::Set(d, a == 0 ? 1.0F : 0.0F);
+  for (int k = 0; k < n; ++k) {
+    float* HWY_RESTRICT row = factor.rows + row_of(n, k) * lanes;
+    const FloatVec own_ridge = hn::Set(d, k == 0 ? 0.0F : ridge);
+    const FloatVec diagonal = hn::Add(hn::Load(d, sums + row_of(n, k) * lanes), own_ridge);
+    const FloatVec pivot = hn::Add(hn::Load(d, row), own_ridge);
+    const auto is_regular = hn::Gt(pivot, hn::Max(hn::Mul(diagonal, hn::Set(d, kSingular)), hn::Set(d, 1e-30F)));
+    const FloatVec inverse =
+        hn::IfThenElseZero(is_regular, hn::Div(hn::Set(d, 1.0F), hn::IfThenElse(is_regular, pivot, hn::Set(d, 1.0F))));
+    hn::Store(inverse, d, factor.inverse + k * lanes);
+    for (int i = k + 1; i < n; ++i) {
+      const FloatVec m = hn::Mul(hn::Load(d, row + (i - k) * lanes), inverse);
+      float* HWY_RESTRICT target = factor.rows + row_of(n, i) * lanes;
+      for (int j = i; j < n + 3; ++j) {
+        const FloatVec old = hn::Load(d, target + (j - i) * lanes);
+        hn::Store(hn::NegMulAdd(m, hn::Load(d, row + (j - k) * lanes), old), d, target + (j - i) * lanes);
+      }
+      factor.unit[i] = hn::NegMulAdd(m, factor.unit[k], factor.unit[i]);
+    }
+    factor.unit[k] = hn::IfThenElse(is_regular, factor.unit[k], zero);
+  }
+}
+
+// Solution of the leading `columns`: part 0 is g, 1 to 3 are beta of the channels; solution[part * columns + k].
+HWY_INLINE void solve(FloatTag d, const Factor& factor, int columns, float* HWY_RESTRICT solution) {
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  const int n = factor.columns;
+  for (int part = 0; part < kSolutionParts; ++part, solution += columns * lanes) {
+    for (int k = columns - 1; k >= 0; --k) {
+      const float* HWY_RESTRICT row = factor.rows + row_of(n, k) * lanes;
+      FloatVec rest = part == 0 ? factor.unit[k] : hn::Load(d, row + (n - k + part - 1) * lanes);
+      for (int j = k + 1; j < columns; ++j) {
+        rest = hn::NegMulAdd(hn::Load(d, row + (j - k) * lanes), hn::Load(d, solution + j * lanes), rest);
+      }
+      hn::Store(hn::Mul(rest, hn::Load(d, factor.inverse + k * lanes)), d, solution + k * lanes);
+    }
+  }
+}
+
+// Where a range sigma's fit of one order lies: its solution, and behind it the sums of the second look at the window.
+HWY_INLINE float* fit_of(FloatTag d, const LocalPolynomialRows& rows, const FitPixels& pixels, int sigma, int order) {
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  const int most = most_columns(highest_order(rows), rows.is_taylor);
+  return pixels.fits + sigma * fits_step(d, rows) + order * (kSolutionParts * most + 6) * lanes;
+}
+
+HWY_INLINE float* moments_of(FloatTag d, const LocalPolynomialRows& rows, const FitPixels& pixels, int sigma,
+                             int order) {
+  const int most = most_columns(highest_order(rows), rows.is_taylor);
+  return fit_of(d, rows, pixels, sigma, order) + kSolutionParts * most * static_cast<std::ptrdiff_t>(hn::Lanes(d));
+}
+
+// AOS Eq. 13, its first entry: g^T X^T W xi, with the higher powers' coefficients of the fit of two orders more.
+HWY_INLINE FloatVec taylor_bias(FloatTag d, const float* HWY_RESTRICT sums, const Factor& factor,
+                                const float* HWY_RESTRICT g, int columns, const float* HWY_RESTRICT higher,
+                                int higher_columns) {
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  FloatVec bias = hn::Zero(d);
+  for (int a = 0; a < columns; ++a) {
+    const float* HWY_RESTRICT row = sums + row_of(factor.columns, a) * lanes;
+    FloatVec sum = hn::Zero(d);
+    for (int b = columns; b < higher_columns; ++b) {
+      sum = hn::MulAdd(hn::Load(d, row + (b - a) * lanes), hn::Load(d, higher + b * lanes), sum);
+    }
+    bias = hn::MulAdd(hn::Load(d, g + a * lanes), sum, bias);
+  }
+  return bias;
+}
+
+HWY_NOINLINE void solve_all(const LocalPolynomialRows& rows, const FitPixels& pixels, float* HWY_RESTRICT scratch) {
+  const FloatTag d;
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  Factor factor;
+  factor.columns = pixels.columns(fitted_order(rows));
+  factor.rows = scratch;
+  factor.inverse = scratch + normal_equation_sums(kMaxColumns) * lanes;
+  HWY_ALIGN float higher[kSolutionParts * kMaxColumns * kMaxLanes];
+  for (int sigma = 0; sigma < rows.weights.candidates; ++sigma) {
+    const float* sums = pixels.sums + sigma * sums_step(d, rows);
+    factorise(d, sums, rows.ridge, factor);
+    for (int o = 0; o < rows.orders; ++o) {
+      const int columns = pixels.columns(rows.order[o]);
+      float* fit = fit_of(d, rows, pixels, sigma, o);
+      float* moments = moments_of(d, rows, pixels, sigma, o);
+      solve(d, factor, columns, fit);
+      std::fill_n(moments, 6 * lanes, 0.0F);
+      if (!rows.is_taylor) continue;
+      const int higher_columns = pixels.columns(rows.order[o] + 2);
+      solve(d, factor, higher_columns, higher);
+      for (int c = 0; c < 3; ++c) {
+        hn::Store(taylor_bias(d, sums, factor, fit, columns, higher + (1 + c) * higher_columns * lanes, higher_columns),
+                  d, moments + c * lanes);
+      }
+    }
+  }
+}
+
+// Half the derivative of the patches' distances, contracted with the pixel's covariances.
+HWY_INLINE void contracted_slopes(FloatTag d, const LocalPolynomialRows& rows, const FitPixels& pixels,
+                                  const float* const (&slope)[3], FloatVec (&out)[3][kTapBatch]) {
+  constexpr int kEntry[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
+  for (int c = 0; c < 3; ++c) {
+    FloatVec v[3];
+    for (int k = 0; k < 3; ++k) v[k] = hn::LoadU(d, rows.weights.colour_covariance[kEntry[c][k]] + pixels.x);
+    for (int t = 0; t < kTapBatch; ++t) {
+      const std::ptrdiff_t at = t * static_cast<std::ptrdiff_t>(kNlmBlockPixels);
+      const FloatVec z0 = hn::Load(d, slope[0] + at);
+      const FloatVec z1 = hn::Load(d, slope[1] + at);
+      const FloatVec z2 = hn::Load(d, slope[2] + at);
+      out[c][t] = hn::MulAdd(v[2], z2, hn::MulAdd(v[1], z1, hn::Mul(v[0], z0)));
+    }
+  }
+}
+
+// Adds to what moves F with the weights: sum_i l_i (y_i - x_i^T beta) slope_i, or for Taylor to its variance, AOS
+// Eq. 11.
+HWY_INLINE void add_moments(FloatTag d, const TapBatch& batch, const FloatVec (&w)[kTapBatch],
+                            const FloatVec (&factor)[3][kTapBatch], bool is_taylor, int columns,
+                            const float* HWY_RESTRICT fit, float* HWY_RESTRICT moments) {
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  FloatVec l[kTapBatch];
+  FloatVec rest[3][kTapBatch];
+  for (int t = 0; t < kTapBatch; ++t) {
+    l[t] = hn::Load(d, fit);
+    for (int c = 0; c < 3; ++c) rest[c][t] = hn::Sub(batch.colour[c][t], hn::Load(d, fit + (1 + c) * columns * lanes));
+  }
+  for (int a = 1; a < columns; ++a) {
+    const FloatVec g = hn::Load(d, fit + a * lanes);
+    for (int t = 0; t < kTapBatch; ++t) l[t] = hn::MulAdd(g, batch.column[a][t], l[t]);
+    if (is_taylor) continue;
+    for (int c = 0; c < 3; ++c) {
+      const FloatVec beta = hn::Load(d, fit + ((1 + c) * columns + a) * lanes);
+      for (int t = 0; t < kTapBatch; ++t) rest[c][t] = hn::NegMulAdd(beta, batch.column[a][t], rest[c][t]);
+    }
+  }
+  for (int t = 0; t < kTapBatch; ++t) l[t] = hn::Mul(l[t], w[t]);
+  for (int c = 0; c < 3; ++c) {
+    FloatVec sum = hn::Load(d, moments + (is_taylor ? 3 + c : c) * lanes);
+    for (int t = 0; t < kTapBatch; ++t) {
+      sum = hn::MulAdd(hn::Mul(l[t], is_taylor ? l[t] : rest[c][t]), factor[c][t], sum);
+    }
+    hn::Store(sum, d, moments + (is_taylor ? 3 + c : c) * lanes);
+  }
+}
+
+HWY_NOINLINE void add_group_to_moments(const LocalPolynomialRows& rows, const FitPixels& pixels,
+                                       const TapGroup& group) {
+  const FloatTag d;
+  const int order = highest_order(rows);
+  TapBatch batch;
+  FloatVec factor[3][kTapBatch];
+  for (int t = 0; t < group.count; t += kTapBatch) {
+    const std::ptrdiff_t at = t * static_cast<std::ptrdiff_t>(kNlmBlockPixels);
+    const int tap = group.first + t;
+    FloatVec w[kTapBatch];
+    int sigma = rows.weights.candidates - 1;
+    if (!weights_of(d, rows, sigma, tap, group.distances.distance + at, w)) continue;
+    fill_columns(d, rows, pixels, tap, order, batch);
+    if (rows.is_taylor) {
+      for (int c = 0; c < 3; ++c) {
+        for (int k = 0; k < kTapBatch; ++k) {
+          factor[c][k] = hn::LoadU(d, rows.variance[c] + pixels.x + rows.weights.taps[tap + k]);
+        }
+      }
+    } else {
+      const TapDistances& from = group.distances;
+      contracted_slopes(d, rows, pixels, {from.slope[0] + at, from.slope[1] + at, from.slope[2] + at}, factor);
+    }
+    do {
+      for (int o = 0; o < rows.orders; ++o) {
+        add_moments(d, batch, w, factor, rows.is_taylor, pixels.columns(rows.order[o]),
+                    fit_of(d, rows, pixels, sigma, o), moments_of(d, rows, pixels, sigma, o));
+      }
+    } while (--sigma >= 0 && weights_of(d, rows, sigma, tap, group.distances.distance + at, w));
+  }
+}
+
+// The features' part of Joint SURE Eq. 2: where the fit is read moves with the pixel's features, and so does the
+// pixel's row of X; the window's basis does not, and neither do the weights.
+HWY_INLINE FloatVec feature_term(FloatTag d, const LocalPolynomialRows& rows, const FitPixels& pixels, int c,
+                                 FloatVec own, int columns, const float* HWY_RESTRICT fit) {
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  const float* HWY_RESTRICT beta = fit + (1 + c) * columns * lanes;
+  const FloatVec away = hn::NegMulAdd(own, hn::Load(d, fit), hn::Set(d, 1.0F));  // 1 - l_c
+  const FloatVec rest = hn::Neg(hn::Mul(own, hn::Load(d, beta)));                // w_c (y_c - F)
+  FloatVec sum = hn::Zero(d);
+  for (int r = 0; r < pixels.dimensions - 2; ++r) {
+    FloatVec moved = hn::Zero(d);
+    for (int k = 0; k < rows.features; ++k) {
+      moved = hn::MulAdd(hn::Load(d, pixels.basis + (r * rows.features + k) * lanes),
+                         hn::LoadU(d, rows.feature_covariance[c][k] + pixels.x), moved);
+    }
+    const FloatVec slope =
+        hn::MulAdd(rest, hn::Load(d, fit + (3 + r) * lanes), hn::Mul(away, hn::Load(d, beta + (3 + r) * lanes)));
+    sum = hn::MulAdd(slope, moved, sum);
+  }
+  return sum;
+}
+
+HWY_INLINE void finish(FloatTag d, const LocalPolynomialRows& rows, const FitPixels& pixels, int y, std::ptrdiff_t x) {
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  const FloatVec own = hn::LoadU(d, rows.weights.guides.mask + pixels.x);  // the pixel's own weight
+  for (int sigma = 0; sigma < rows.weights.candidates; ++sigma) {
+    for (int o = 0; o < rows.orders; ++o) {
+      const int columns = pixels.columns(rows.order[o]);
+      const float* fit = fit_of(d, rows, pixels, sigma, o);
+      const float* moments = moments_of(d, rows, pixels, sigma, o);
+      const int candidate = sigma * rows.orders + o;
+      for (int c = 0; c < 3; ++c) {
+        const FloatVec colour = hn::LoadU(d, rows.weights.colour[c] + pixels.x);
+        const FloatVec result = hn::Add(colour, hn::Load(d, fit + (1 + c) * columns * lanes));
+        FloatVec divergence;
+        if (rows.is_taylor) {
+          const FloatVec bias = hn::Load(d, moments + c * lanes);
+          divergence = hn::MulAdd(bias, bias, hn::Load(d, moments + (3 + c) * lanes));  // AOS Eq. 16
+        } else {
+          const FloatVec kernel =
+              hn::Mul(hn::Mul(own, hn::Load(d, fit)), hn::LoadU(d, rows.weights.colour_covariance[c] + pixels.x));
+          divergence = hn::NegMulAdd(hn::Set(d, rows.weights.slope[sigma]), hn::Load(d, moments + c * lanes), kernel);
+          if (rows.has_feature_covariance && rows.order[o] > 0) {
+            divergence = hn::Add(divergence, feature_term(d, rows, pixels, c, own, columns, fit));
+          }
+        }
+        // Colours near the largest float can overflow: such pixels stay as they are.
+        const auto is_finite = hn::And(hn::IsFinite(result), hn::IsFinite(divergence));
+        const FloatVec variance = hn::LoadU(d, rows.weights.colour_covariance[c] + pixels.x);
+        hn::StoreU(hn::IfThenElse(is_finite, result, colour), d, rows.weights.result[y][candidate][c] + x);
+        hn::StoreU(hn::IfThenElse(is_finite, divergence, variance), d, rows.weights.divergence[y][candidate][c] + x);
+      }
+    }
+  }
+}
+
+// Without colour weights neighbours are sources or not.
+HWY_INLINE void fill_mask_distances(FloatTag d, const PatchBlock& block, int first, int count, const TapDistances& to) {
+  const CrossNlmRows& rows = block.rows;
+  for (int t = 0; t < count; ++t) {
+    for (int y = 0; y < rows.rows; ++y) {
+      for (int k = 0; k < block.width; k += static_cast<int>(hn::Lanes(d))) {
+        const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(t * kNlmBlockPixels) + kNlmBlockWidth * y + k;
+        FloatVec distance = hn::Set(d, kNoNeighbour);
+        if (first + t < rows.tap_count) {
+          const FloatVec mask = hn::LoadU(d, rows.guides.mask + block.x + k + y * rows.pitch + rows.taps[first + t]);
+          distance = hn::IfThenElseZero(hn::Eq(mask, hn::Zero(d)), distance);
+        }
+        hn::Store(distance, d, to.distance + at);
+        for (float* slope : to.slope) hn::Store(hn::Zero(d), d, slope + at);
+      }
+    }
+  }
+}
+
+// Calls visit(pixels, group) for every vector of pixels of the block and every group of taps.
+template <class Visit>
+HWY_INLINE void for_each_group(FloatTag d, const LocalPolynomialRows& rows, const PatchBlock& block,
+                               const TapDistances& distances, FitPixels* pixels, Visit visit) {
+  const int padded = (rows.weights.tap_count + kTapBatch - 1) / kTapBatch * kTapBatch;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  for (int first = 0; first < padded; first += kNlmTapGroup) {
+    TapGroup group{first, std::min(kNlmTapGroup, padded - first), {}};
+    if (rows.has_colour_weights) {
+      fill_distances(block, first, group.count, distances);
+    } else {
+      fill_mask_distances(d, block, first, group.count, distances);
+    }
+    const FitPixels* next = pixels;
+    for (int y = 0; y < rows.weights.rows; ++y) {
+      for (int k = 0; k < block.width; k += lanes) {
+        const int at = kNlmBlockWidth * y + k;
+        group.distances = {distances.distance + at,
+                           {distances.slope[0] + at, distances.slope[1] + at, distances.slope[2] + at}};
+        visit(*next++, group);
+      }
+    }
+  }
+}
+
+HWY_INLINE bool has_noise(FloatTag d, const LocalPolynomialRows& rows, std::ptrdiff_t x) {
+  FloatVec any = hn::Zero(d);
+  for (const float* plane : rows.weights.colour_covariance) any = hn::Or(any, hn::LoadU(d, plane + x));
+  return !hn::AllTrue(d, hn::Eq(any, hn::Zero(d)));
+}
+
+HWY_INLINE void run_block(const LocalPolynomialRows& rows, std::ptrdiff_t x, int width) {
+  const FloatTag d;
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  float* next = rows.scratch;
+  const auto take = [&](std::size_t floats) { return std::exchange(next, next + floats); };
+  constexpr std::size_t kGroup = kNlmTapGroup * kNlmBlockPixels;
+  const TapDistances distances{take(kGroup), {take(kGroup), take(kGroup), take(kGroup)}};
+  const auto field = [&] { return take(kNlmPatchFloats); };
+  PatchBlock block{rows.weights,
+                   x,
+                   width,
+                   false,
+                   {field(), field(), {field(), field(), field()}, field(), field(), {field(), field(), field()}}};
+  block.is_masked = has_hole(d, block);
+  float* solver = take(static_cast<std::size_t>(normal_equation_sums(kMaxColumns) + kMaxColumns) * kMaxLanes);
+
+  FitPixels pixels[kNlmBlockPixels];
+  int count = 0;
+  const int sigmas = rows.weights.candidates;
+  for (int y = 0; y < rows.weights.rows; ++y) {
+    for (int k = 0; k < width; k += static_cast<int>(lanes), ++count) {
+      FitPixels& p = pixels[count];
+      p.x = x + k + y * rows.weights.pitch;
+      float* basis = take(static_cast<std::size_t>(kMaxFeatureDimensions * rows.features * lanes));
+      const bool has_slopes = rows.order[rows.orders - 1] > 0 || rows.is_taylor;
+      p.dimensions = 2 + (rows.features > 0 && has_slopes ? feature_basis(d, rows, p.x, basis) : 0);
+      p.basis = basis;
+      p.sums = take(static_cast<std::size_t>(sigmas * sums_step(d, rows)));
+      p.fits = take(static_cast<std::size_t>(sigmas * fits_step(d, rows)));
+      std::fill_n(p.sums, sigmas * sums_step(d, rows), 0.0F);
+    }
+  }
+  for_each_group(d, rows, block, distances, pixels,
+                 [&](const FitPixels& p, const TapGroup& group) { add_group_to_equations(rows, p, group); });
+  for (int i = 0; i < count; ++i) solve_all(rows, pixels[i], solver);
+  if (rows.is_taylor || rows.has_colour_weights) {
+    for_each_group(d, rows, block, distances, pixels, [&](const FitPixels& p, const TapGroup& group) {
+      if (rows.is_taylor || has_noise(d, rows, p.x)) add_group_to_moments(rows, p, group);
+    });
+  }
+  const FitPixels* p = pixels;
+  for (int y = 0; y < rows.weights.rows; ++y) {
+    for (int k = 0; k < width; k += static_cast<int>(lanes)) finish(d, rows, *p++, y, x + k);
+  }
+}
+
+void LocalPolynomialRowsTarget(const LocalPolynomialRows& rows) {
+  for (int x = 0; x < rows.weights.count; x += kNlmBlockWidth) {
+    run_block(rows, x, std::min(kNlmBlockWidth, (rows.weights.count - x + kMaxLanes - 1) / kMaxLanes * kMaxLanes));
+  }
+}
+
+}  // namespace stein::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace stein::kernels {
+
+HWY_EXPORT(LocalPolynomialRowsTarget);
+
+void local_polynomial_rows(const LocalPolynomialRows& rows) { HWY_DYNAMIC_DISPATCH(LocalPolynomialRowsTarget)(rows); }
+
+}  // namespace stein::kernels
+#endif  // HWY_ONCE
