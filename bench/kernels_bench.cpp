@@ -94,6 +94,26 @@ BENCHMARK(filter_atrous);
 
 void filter_atrous_sure(benchmark::State& state) { run_passes(state, AtrousSureParams{}); }
 BENCHMARK(filter_atrous_sure);
+
+// 19x19 pixels, ten dimensions, orders 1 and 3 with the error of both.
+void filter_adaptive_order_one_sigma(benchmark::State& state) {
+  AdaptiveOrderParams params;
+  params.orders = {1, 3};
+  params.range_sigmas = {1.0F};
+  run_passes(state, params);
+}
+BENCHMARK(filter_adaptive_order_one_sigma);
+
+void filter_adaptive_order(benchmark::State& state) { run_passes(state, AdaptiveOrderParams{}); }
+BENCHMARK(filter_adaptive_order);
+
+void filter_adaptive_order_taylor(benchmark::State& state) {
+  AdaptiveOrderParams params;
+  params.error = OrderError::kTaylor;
+  run_passes(state, params);
+}
+BENCHMARK(filter_adaptive_order_taylor);
+
 void kernel_cross_bilateral_joint(benchmark::State& state) {
   run_filter(state, CrossBilateralParams{}, Divergence::kJoint);
 }

@@ -119,8 +119,8 @@ std::vector<int> Bank::least(bool of_true_error) const {
   for (int y = 0; y < geometry_.height; ++y) {
     float* rows[kMaxEntries];
     for (int e = 0; e < entries(); ++e) rows[e] = maps->row(e, y);
-    relative_risk_rows(*source_, runs_->candidates(), entries(), {0, y, geometry_.width, y + 1}, y, lines.data(),
-                       geometry_.width, rows);
+    relative_risk_rows(*source_, runs_->candidates(), entries(), runs_->common_candidate(),
+                       {0, y, geometry_.width, y + 1}, y, lines.data(), geometry_.width, rows);
     for (int e = 0; e < entries() && of_true_error; ++e) {
       for (int x = 0; x < geometry_.width; ++x) {
         double sum = 0;

@@ -31,18 +31,41 @@ void set_feature_sigma(std::vector<FeatureSigma>& sigmas, const FeatureSigma& wa
   }
 }
 
+void make_intermediate(CrossBilateralParams& params) {
+  params.spatial_sigmas = intermediate_cross_bilateral().spatial_sigmas;
+}
+void make_intermediate(GaussianParams& params) {
+  params.spatial_sigmas = intermediate_cross_bilateral().spatial_sigmas;
+}
+void make_intermediate(CrossNlmParams& params) { params.window_radius = intermediate_cross_nlm().window_radius; }
+void make_intermediate(AdaptiveOrderParams& params) {
+  params.window_radius = intermediate_adaptive_order().window_radius;
+}
+
 void set_bank(FilterSpec& spec, const std::string& bank) {
   apply("--bank", spec, [&](auto& params) {
-    if constexpr (requires { params.spatial_sigmas; }) {
-      if (bank == "intermediate") {
-        params.spatial_sigmas = intermediate_cross_bilateral().spatial_sigmas;
-      }
+    if constexpr (requires { make_intermediate(params); }) {
+      if (bank == "intermediate") make_intermediate(params);
       return true;
     }
-    if constexpr (requires { params.window_radius; }) {
-      if (bank == "intermediate") {
-        params.window_radius = intermediate_cross_nlm().window_radius;
-      }
+    return false;
+  });
+}
+
+void set_order(FilterSpec& spec, const std::string& order) {
+  apply("--order", spec, [&](auto& params) {
+    if constexpr (requires { params.orders; }) {
+      if (order != "adaptive") params.orders = {order.front() - '0'};
+      return true;
+    }
+    return false;
+  });
+}
+
+void set_order_error(FilterSpec& spec, const std::string& error) {
+  apply("--order-error", spec, [&](auto& params) {
+    if constexpr (requires { params.orders; }) {
+      params.error = error == "taylor" ? OrderError::kTaylor : OrderError::kRisk;
       return true;
     }
     return false;
@@ -88,6 +111,12 @@ void declare(CLI::App& verb, FilterOptions& options) {
                   "NAME=VALUE: how strongly a feature guides; smaller is stronger, 0: not at all; may be repeated")
       ->delimiter(',')
       ->allow_extra_args(false);
+  verb.add_option("--order", options.order,
+                  "Of adaptive-order's polynomials: all fits of one order, or the best pixel by pixel (adaptive)")
+      ->check(CLI::IsMember({"0", "1", "3", "adaptive"}));
+  verb.add_option("--order-error", options.order_error,
+                  "What adaptive-order's fits are judged by: SURE (risk), or fits of two orders more (taylor)")
+      ->check(CLI::IsMember({"risk", "taylor"}));
 }
 
 FilterSpec filter_spec(const FilterOptions& options) {
@@ -100,6 +129,12 @@ FilterSpec filter_spec(const FilterOptions& options) {
   }
   if (!options.feature_sigmas.empty()) {
     set_feature_sigmas(spec, options.feature_sigmas);
+  }
+  if (!options.order.empty()) {
+    set_order(spec, options.order);
+  }
+  if (!options.order_error.empty()) {
+    set_order_error(spec, options.order_error);
   }
   return spec;
 }

@@ -17,11 +17,16 @@ enum class DensityRule : std::uint8_t {
   /// Of all samples, those that a pixel has included: the root of the relative variance that a single one of the
   /// pixel's samples would leave in the result. Least noise of the whole result for a budget (docs/adaptive.md).
   kAllSamples,
+  /// Of the next batch: by how much a sample lowers the estimated error of a local regression, n^(-4 / (d + 4)), over
+  /// the squared luminance (AOS: Yuan, Zheng, Zheng, Liu 2018, sec. 5).
+  kErrorReduction,
 };
 
 struct DensityParams {
   DensityRule rule = DensityRule::kNextSamples;
-  float epsilon = 0.001F;  ///< Eq. 9, added to the squared luminance; > 0. Read for kNextSamples
+  float epsilon = 0.001F;  ///< Eq. 9, added to the squared luminance; > 0. Not read for kAllSamples
+  float dimensions =
+      10.0F;  ///< d, what the regression depends on, position included; [1..100]. Read for kErrorReduction
 };
 
 struct AllocationParams {

@@ -103,16 +103,16 @@ struct AdaptiveOrderParams {
 
   /// sigma_r of weights by patches of the colour, as CrossNlmParams' with normalised distances; empty: weights do not
   /// depend on the colour.
-  std::vector<float> range_sigmas = {0.71F, 1.0F, 1.41F};
+  std::vector<float> range_sigmas = {0.71F, 1.41F, 2.83F};
   float spatial_sigma = 0.0F;  ///< h of AOS Eq. 8, [0.5..100] px; 0: all of the window counts alike
   int window_radius = 9;       ///< [1..20] px
   int patch_radius = 2;        ///< as for CrossNlmParams
   float patch_blur = 1.0F;     ///< as for CrossNlmParams
 
   /// Directions of feature space count whose variance over the window is this many times that of their noise. [1..1e6]
-  float noise_threshold = 10.0F;
+  float noise_threshold = 2.0F;
   /// Pixels that speak against any slope: with a weight sum near this, polynomials come close to their mean. [0..1e6]
-  float ridge = 3.0F;
+  float ridge = 0.3F;
 
   /// The features with a sigma are what is regressed on, at most 12 channels; only the smoothing of the risk makes use
   /// of the sigma's value.

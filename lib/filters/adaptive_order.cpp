@@ -58,6 +58,9 @@ class AdaptiveOrder final : public PreparedFilter {
 
   [[nodiscard]] int candidates() const noexcept override { return rows_.weights.candidates * rows_.orders; }
 
+  // The widest weights take lamps for the walls beside them.
+  [[nodiscard]] int common_candidate() const noexcept override { return candidates() / 2; }
+
   void run(int pass, const Rect& tile, FilterScratch& scratch, const CandidateRows& out) const override {
     if (pass == 0) {
       features_.prepare(tile, scratch);

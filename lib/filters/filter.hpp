@@ -55,6 +55,8 @@ class PreparedFilter {
   virtual ~PreparedFilter() = default;
 
   [[nodiscard]] virtual int candidates() const noexcept = 0;  ///< without the unfiltered input
+  /// A fairly wide one, whose F says how bright a pixel is; sigma_s = 4 in both banks of SBF.
+  [[nodiscard]] virtual int common_candidate() const noexcept { return 2 * candidates() / 3; }
   /// Runs one pass over the tile; the last one fills F, and D where the filter knows its derivative. What earlier
   /// passes left is there for the tile and the pass's halo around it. Writes up to the next multiple of 16 pixels in x.
   virtual void run(int pass, const Rect& tile, FilterScratch& scratch, const CandidateRows& out) const = 0;

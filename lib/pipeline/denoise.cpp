@@ -89,6 +89,7 @@ void check(const DenoiseParams& params) {
   require_in_range("monte_carlo.draws", static_cast<float>(params.monte_carlo.draws), 1.0F, 16.0F);
   require_in_range("monte_carlo.step", params.monte_carlo.step, 1e-3F, 1.0F, "standard deviations");
   require_in_range("density.epsilon", params.density.epsilon, 1e-9F, 1e9F);
+  require_in_range("density.dimensions", params.density.dimensions, 1.0F, 100.0F);
   for (const float weight : params.luminance_weights) require_in_range("luminance_weights", weight, -10.0F, 10.0F);
   const Execution& execution = params.execution;
   require_in_range("execution.threads", static_cast<float>(execution.threads), 0.0F, 4096.0F);

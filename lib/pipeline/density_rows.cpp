@@ -26,7 +26,8 @@ void all_samples_row(const Source& source, const Rect& tile, int y, const float*
 }
 
 // SBF Eq. 9: S = (SURE + sigma^2) / (I^2 + eps), with the mean over the channels of the estimated error and of the
-// per-sample variance, and I the luminance of the result. Sums below 0 count as 0.
+// per-sample variance, and I the luminance of the result; AOS sec. 5: MSE n^(-4 / (d + 4)) / (I^2 + eps). Sums below 0
+// count as 0.
 void next_samples_row(const Source& source, const DenoiseParams& params, const DenoiseResult& result, const Rect& tile,
                       int y, float* lines, std::ptrdiff_t pitch, float* density) {
   const int n = tile.width();
@@ -34,6 +35,7 @@ void next_samples_row(const Source& source, const DenoiseParams& params, const D
   float* mean = lines + pitch;
   float* variance = lines + 2 * pitch;
   float* luminance = lines + 3 * pitch;
+  const bool is_reduction = params.density.rule == DensityRule::kErrorReduction;
   sample_count_row(source.frame(), y, tile.x0, n, samples);
   std::fill_n(luminance, n, 0.0F);
   std::fill_n(density, n, 0.0F);
@@ -42,10 +44,14 @@ void next_samples_row(const Source& source, const DenoiseParams& params, const D
     const float* error = result.error[c].row(y) + tile.x0;
     const float* F = result.colour[c].row(y) + tile.x0;
     for (int i = 0; i < n; ++i) {
-      const float sample_variance = variance[i] > 0.0F ? variance[i] * samples[i] : 0.0F;
+      const float sample_variance = variance[i] > 0.0F && !is_reduction ? variance[i] * samples[i] : 0.0F;
       density[i] += (error[i] + sample_variance) / 3.0F;
       luminance[i] += params.luminance_weights[c] * F[i];
     }
+  }
+  if (is_reduction) {
+    const float exponent = -4.0F / (params.density.dimensions + 4.0F);
+    for (int i = 0; i < n; ++i) density[i] *= samples[i] > 0.0F ? std::pow(samples[i], exponent) : 1.0F;
   }
   const float epsilon = params.density.epsilon;
   for (int i = 0; i < n; ++i) density[i] = std::max(density[i], 0.0F) / (luminance[i] * luminance[i] + epsilon);

@@ -24,6 +24,7 @@ class FilterRuns {
              int ring_rows, int slots);
 
   [[nodiscard]] int entries() const noexcept { return entries_; }  ///< candidates and the unfiltered input
+  [[nodiscard]] int common_candidate() const noexcept { return runs_.front()->filter->common_candidate(); }
   [[nodiscard]] int passes() const noexcept { return static_cast<int>(passes_.size()); }
   [[nodiscard]] const GuideRows& guides() const noexcept { return *runs_.front()->guides; }
   /// F and D of the frame's own run.

@@ -9,8 +9,8 @@
 
 namespace stein {
 
-void relative_risk_rows(const Source& source, const CandidateRows& candidates, int entries, const Rect& tile, int y,
-                        float* lines, std::ptrdiff_t pitch, float* const* out) {
+void relative_risk_rows(const Source& source, const CandidateRows& candidates, int entries, int common,
+                        const Rect& tile, int y, float* lines, std::ptrdiff_t pitch, float* const* out) {
   const int n = tile.width();
   float* mean = lines;
   float* variance = lines + pitch;
@@ -24,8 +24,8 @@ void relative_risk_rows(const Source& source, const CandidateRows& candidates, i
     source.input_row(channel, y, tile.x0, n, mean, variance);
     source.colour_row(channel, y, tile.x0, n, colour);
     source.variance_row(channel, y, tile.x0, n, own_variance);
-    const float* common = candidates.result(common_candidate(entries), c, y) + tile.x0;
-    for (int i = 0; i < n; ++i) weight[i] = 1.0F / (3.0F * (common[i] * common[i] + kRelativeEpsilon));
+    const float* scale = candidates.result(common, c, y) + tile.x0;
+    for (int i = 0; i < n; ++i) weight[i] = 1.0F / (3.0F * (scale[i] * scale[i] + kRelativeEpsilon));
     for (int e = 0; e < entries; ++e) {
       const float* F = e == 0 ? colour : candidates.result(e - 1, c, y) + tile.x0;
       const float* D = e == 0 ? own_variance : candidates.divergence(e - 1, c, y) + tile.x0;

@@ -7,9 +7,6 @@ namespace stein {
 
 inline constexpr float kRelativeEpsilon = 0.01F;  ///< of relative MSE, SBF sec. 5.2
 
-/// The candidate whose F weighs the errors of all entries: a fairly wide one (sigma_s = 4 in both banks of the paper).
-[[nodiscard]] constexpr int common_candidate(int entries) noexcept { return 2 * (entries - 1) / 3; }
-
 /// Pixels of a row that are summed together, so that sums do not depend on tiles, which are made of whole blocks.
 inline constexpr int kSumBlock = 16;
 
@@ -19,7 +16,7 @@ inline constexpr int kRelativeRiskLines = 6;  ///< of scratch memory
 /// over the channels. Entry 0 is the unfiltered input. F is the same for all entries: weights of their own would favour
 /// entries that are too bright, and a noisy F correlates with the risk it weighs.
 /// `lines`: kRelativeRiskLines rows of scratch, `pitch` apart.
-void relative_risk_rows(const Source& source, const CandidateRows& candidates, int entries, const Rect& tile, int y,
-                        float* lines, std::ptrdiff_t pitch, float* const* out);
+void relative_risk_rows(const Source& source, const CandidateRows& candidates, int entries, int common,
+                        const Rect& tile, int y, float* lines, std::ptrdiff_t pitch, float* const* out);
 
 }  // namespace stein

@@ -14,7 +14,8 @@ template <class Params>
 bool compares_colours(const Params& params) {
   if constexpr (requires { params.range_sigma; }) return params.range_sigma > 0.0F;
   if constexpr (requires { params.value_sigma; }) return params.value_sigma > 0.0F;
-  return requires { params.range_sigmas; };
+  if constexpr (requires { params.range_sigmas; }) return !params.range_sigmas.empty();
+  return false;
 }
 
 // What the filter is guided by and is noisy, by whether its covariance with the colour is known.
@@ -95,9 +96,33 @@ RiskChoice closed_form(NoisyGuides noisy, Risk wanted) {
       noisy);
 }
 
+bool is_taylor(const FilterSpec& spec) {
+  const auto* regression = std::get_if<AdaptiveOrderParams>(&spec);
+  return regression != nullptr && regression->error == OrderError::kTaylor;
+}
+
+RiskChoice taylor(const DenoiseParams& params) {
+  if (params.risk != Risk::kAuto) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "adaptive-order: the error by Taylor expansion takes the place of the risk; leave the risk at auto, or "
+                "choose OrderError::kRisk");
+  }
+  if (params.density.rule == DensityRule::kAllSamples) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "adaptive-order: the density of all samples needs the divergence that the error by Taylor expansion "
+                "does not give; choose OrderError::kRisk, or another density");
+  }
+  RiskChoice choice;
+  choice.method = Risk::kPlain;
+  choice.name = "Taylor expansion";
+  choice.reason = "it was asked for";
+  return choice;
+}
+
 }  // namespace
 
 RiskChoice choose_risk(const Frame& frame, const DenoiseParams& params) {
+  if (is_taylor(params.filter)) return taylor(params);
   require_closed_form(params);
   const NoisyGuides noisy = noisy_guides(frame, params.filter);
   if (params.risk == Risk::kMonteCarlo) return monte_carlo(frame, noisy, "it was asked for");

@@ -133,7 +133,7 @@ void Stages::compare(const Rect& tile, int slot) {
   float* risks[kMaxEntries];
   for (int e = 0; e < entries_; ++e) risks[e] = lines + (kRelativeRiskLines + e) * pitch;
   for (int y = tile.y0; y < tile.y1; ++y) {
-    relative_risk_rows(source_, runs_.candidates(), entries_, tile, y, lines, pitch, risks);
+    relative_risk_rows(source_, runs_.candidates(), entries_, runs_.common_candidate(), tile, y, lines, pitch, risks);
     for (int e = 0; e < entries_; ++e) {
       for (int i = 0; i < n; ++i) risks[e][i] = std::clamp(risks[e][i], -kRiskLimit, kRiskLimit);
     }

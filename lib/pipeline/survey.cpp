@@ -99,7 +99,7 @@ void Surveyor::State::add_row(const Rect& part, int y, float* row_lines) {
   const int entries = runs.entries();
   float* risks[kMaxEntries];
   for (int e = 0; e < entries; ++e) risks[e] = row_lines + (kRelativeRiskLines + e) * pitch;
-  relative_risk_rows(source, runs.candidates(), entries, part, y, row_lines, pitch, risks);
+  relative_risk_rows(source, runs.candidates(), entries, runs.common_candidate(), part, y, row_lines, pitch, risks);
   float* mask = row_lines;
   source.mask_row(y, part.x0, part.width(), mask);
   for (int i = 0; i < part.width(); ++i) {
@@ -125,7 +125,7 @@ void Surveyor::State::add_noise(const Rect& part, int y, float* row_lines) {
   source.mask_row(y, part.x0, n, mask);
   for (int c = 0; c < 3; ++c) {
     source.input_row(static_cast<std::size_t>(c), y, part.x0, n, mean, variance);
-    const float* F = runs.candidates().result(common_candidate(runs.entries()), c, y) + part.x0;
+    const float* F = runs.candidates().result(runs.common_candidate(), c, y) + part.x0;
     const auto weight = [F](int i) { return 1.0 / (3.0 * (static_cast<double>(F[i]) * F[i] + kRelativeEpsilon)); };
     for (int i = 0; i < n; ++i) {
       if (mask[i] == 0.0F) continue;
@@ -187,6 +187,7 @@ Survey Surveyor::result() const {
     const Estimate clipped = mean_of(all, [e](const BlockSums& area) { return area.clipped[e]; });
     survey.mean_risk.push_back(static_cast<float>(clipped.value));
   }
+  survey.common = state_->runs.common_candidate();
   survey.noise = mean_of(all, [](const BlockSums& area) { return area.noise; }).value;
   survey.residual = mean_of(all, [](const BlockSums& area) { return area.residual; }).value;
   survey.correlation = mean_of(all, [](const BlockSums& area) { return area.product; });
@@ -211,8 +212,7 @@ std::vector<std::string> doubts(const Survey& survey, bool joint) {
   constexpr double kStandardErrors = 4.0;
   std::vector<std::string> texts;
   if (survey.noise <= 0) return texts;
-  const int entries = static_cast<int>(survey.risk.size());
-  const double bias = std::max(survey.risk[static_cast<std::size_t>(common_candidate(entries)) + 1].value, 0.0);
+  const double bias = std::max(survey.risk[static_cast<std::size_t>(survey.common) + 1].value, 0.0);
   const double shared = survey.correlation.value - bias;
   if (shared > kTolerance * survey.residual + kStandardErrors * survey.correlation.standard_error) {
     texts.push_back("the noise of neighbouring pixels is correlated (coefficient " + percent(shared / survey.residual) +

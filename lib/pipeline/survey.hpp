@@ -25,7 +25,8 @@ struct Survey {
   /// Relative to the squared colour, as relative risks are:
   std::vector<Estimate> risk;  ///< per entry, not clipped
   double noise = 0;            ///< mean of the variances of the mean
-  double residual = 0;         ///< mean square of the residuals y - F of a fairly wide candidate
+  int common = 0;              ///< a fairly wide candidate
+  double residual = 0;         ///< mean square of its residuals y - F
   Estimate correlation;        ///< mean product of the residuals of horizontal neighbours
 };
 

@@ -147,16 +147,19 @@ void check_unbiased(const Statistics& bias) { check_nearly_unbiased(bias, 0.0); 
 // neighbours move with the pixel's own (docs/filters/adaptive_order.md).
 double closed_form_gap(const FilterSpec& spec) { return std::holds_alternative<AdaptiveOrderParams>(spec) ? 0.1 : 0.0; }
 
+// A standard error, as a share of the true error, that is sharp enough to notice a missing term.
+double sharpness(const FilterSpec& spec) { return std::holds_alternative<AdaptiveOrderParams>(spec) ? 0.06 : 0.02; }
+
 void check_risks(const FilterSpec& spec, NoisyScene& scene, int realisations) {
   const Biases all = measure(spec, scene, realisations);
   for (std::size_t k = 0; k < all.error.size(); ++k) {
     INFO(filter_name(spec) << ", " << candidate_names(spec)[k + 1] << ", true error " << all.error[k].mean());
     check_unbiased(all.monte_carlo[k]);
-    CHECK(all.monte_carlo[k].standard_error() < 0.03 * all.error[k].mean());  // sharp enough to notice a missing term
+    CHECK(all.monte_carlo[k].standard_error() < sharpness(spec) * all.error[k].mean());
     if (!has_derivative(spec)) continue;
     const double gap = closed_form_gap(spec) * all.error[k].mean();
     check_nearly_unbiased(all.joint[k], gap);
-    CHECK(all.joint[k].standard_error() < 0.03 * all.error[k].mean());
+    CHECK(all.joint[k].standard_error() < sharpness(spec) * all.error[k].mean());
     check_nearly_unbiased(all.closed_minus_monte_carlo[k], gap);
   }
   if (all.choice.count() == 0) return;
@@ -186,7 +189,8 @@ TEST_CASE("risk: exact features, where plain SURE is unbiased as well") {
 TEST_CASE("risk: joint and Monte Carlo SURE are unbiased where colour and features are noisy together") {
   for (const FilterSpec& spec : specs()) {
     NoisyScene scene({.feature_noise = true, .seed = 4321});
-    check_risks(spec, scene, 2000);
+    const bool is_slow = std::holds_alternative<AdaptiveOrderParams>(spec);
+    check_risks(spec, scene, is_slow ? 500 : 2000);
   }
 }
 
