@@ -56,14 +56,14 @@ void fill_polynomial(OwnedFrame& frame, int order) {
   }
 }
 
-// Largest distance of a candidate from the frame's colour.
+// Largest distance of a candidate from the frame's colour, relative to 1 or more.
 double largest_change(const BankResult& bank, std::size_t candidate, OwnedFrame& frame) {
   double largest = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     for (int y = 0; y < frame.frame().height; ++y) {
       for (int x = 0; x < frame.frame().width; ++x) {
-        const double away = std::abs(bank.result[candidate][c].row(y)[x] - frame.at(kRgb[c], x, y));
-        largest = std::max(largest, away);
+        const double colour = frame.at(kRgb[c], x, y);
+        largest = std::max(largest, std::abs(bank.result[candidate][c].row(y)[x] - colour) / (1.0 + std::abs(colour)));
       }
     }
   }

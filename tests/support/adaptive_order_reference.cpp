@@ -92,7 +92,7 @@ AdaptiveOrderReference::Eigen AdaptiveOrderReference::decompose(Matrix a) {
   const std::size_t n = a.size();
   Matrix v(n, Vector(n, 0.0));
   for (std::size_t i = 0; i < n; ++i) v[i][i] = 1.0;
-  for (int sweep = 0; sweep < 20; ++sweep) {
+  for (int sweep = 0; sweep < 10; ++sweep) {
     for (std::size_t p = 0; p + 1 < n; ++p) {
       for (std::size_t q = p + 1; q < n; ++q) {
         const double angle = 0.5 * std::atan2(2.0 * a[p][q], a[p][p] - a[q][q]);
