@@ -71,7 +71,7 @@ void fill(OwnedFrame& frame, const std::string& name, float value) {
 }  // namespace
 
 TEST_CASE("adaptive-order: outliers of any size leave everything finite") {
-  for (const float size : {1e6F, 1e14F, 1e30F}) {
+  for (const float size : {1e6F, 9.9e14F, 1e30F}) {
     CAPTURE(size);
     OwnedFrame frame(33, 19, kUsualFeatures);
     fill_random(frame, 4);
@@ -95,6 +95,24 @@ TEST_CASE("adaptive-order: a frame of large values stays finite") {
     }
     fill(frame, std::string("variance.") + c, 9e29F);
   }
+  check_finite(frame.frame());
+}
+
+TEST_CASE("adaptive-order: the largest values there may be, and holes that have to be extrapolated, stay finite") {
+  OwnedFrame frame(33, 19, kUsualFeatures);
+  fill_random(frame, 4);
+  Random random(2);
+  for (int y = 0; y < 19; ++y) {
+    for (int x = 0; x < 33; ++x) {
+      for (const char* c : kRgb) frame.at(c, x, y) = random.uniform() < 0.5 ? -9.9e14F : 9.9e14F;
+      if (x < 14 && y > 3) frame.at("sampleCount", x, y) = 0;
+    }
+  }
+  check_finite(frame.frame());
+  for (const char* c : kRgb) fill(frame, std::string("variance.") + c, 9.9e29F);
+  check_finite(frame.frame());
+  frame.at("sampleCount", 2, 12) = 8;
+  frame.at("sampleCount", 5, 9) = 8;
   check_finite(frame.frame());
 }
 

@@ -148,6 +148,60 @@ TEST_CASE("adaptive-order: equals the reference for any set of features") {
   }
 }
 
+TEST_CASE("adaptive-order: takes the four strongest of many directions") {
+  OwnedFrame frame(25, 17, {{"a", 4}, {"b", 2}});
+  fill_random(frame, 15);
+  Random random(4);
+  float size = 2.0F;
+  for (const std::string k : {"b.Y", "a.X", "b.X", "a.W", "a.Y", "a.Z"}) {
+    const std::string variance = k.substr(0, 2) + "variance" + k.substr(1);
+    for (int y = 0; y < 17; ++y) {
+      for (int x = 0; x < 25; ++x) {
+        frame.at(k, x, y) = size * static_cast<float>(random.uniform());
+        frame.at(variance, x, y) = 1e-5F;
+      }
+    }
+    size *= 0.7F;
+  }
+  AdaptiveOrderParams params = small_bank();
+  params.window_radius = 5;
+  params.guides.other_feature_sigma = 1;
+  check_agreement(params, frame.frame(), {Divergence::kPlain, 37, 2});
+}
+
+TEST_CASE("adaptive-order: a feature that is the position changes nothing, and its noise is none of the fit's") {
+  OwnedFrame with(25, 17, {{"visibility", 1}});
+  OwnedFrame without(25, 17, {}, false);
+  fill_random(with, 16);
+  for (const std::string& name : without.names()) {
+    for (int y = 0; y < 17; ++y) std::copy_n(with.plane(name).row(y), 25, without.plane(name).row(y));
+  }
+  for (int y = 0; y < 17; ++y) {
+    for (const char* name : {"covariance.R.G", "covariance.R.B", "covariance.G.B"}) {
+      std::fill_n(with.plane(name).row(y), 25, 0.0F);
+    }
+    for (int x = 0; x < 25; ++x) {
+      with.at("visibility.V", x, y) = 0.013F * static_cast<float>(x) + 0.007F * static_cast<float>(y);
+      with.at("visibility.variance.V", x, y) = 1e-8F;
+      for (const char* c : {"R", "G", "B"}) with.at(std::string("covariance.") + c + ".visibility.V", x, y) = 4e-6F;
+    }
+  }
+  AdaptiveOrderParams params = small_bank();
+  params.orders = {1};
+  params.ridge = 0;
+  params.range_sigmas = {9.0F};
+  const BankResult expected = run_filter(params, without.frame());
+  const BankResult found = run_filter(params, with.frame());
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (int y = 0; y < 17; ++y) {
+      for (int x = 0; x < 25; ++x) {
+        CHECK(found.result[0][c].row(y)[x] == Approx(expected.result[0][c].row(y)[x]).margin(1e-5));
+        CHECK(found.divergence[0][c].row(y)[x] == Approx(expected.divergence[0][c].row(y)[x]).margin(1e-7));
+      }
+    }
+  }
+}
+
 TEST_CASE("adaptive-order: equals the reference where features repeat each other or are constant") {
   OwnedFrame frame(33, 21, {{"depth", 1}, {"again", 1}, {"negative", 1}, {"constant", 2}});
   fill_random(frame, 12);

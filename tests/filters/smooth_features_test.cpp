@@ -107,6 +107,15 @@ TEST_CASE("smooth features: equal plain non-local means of each feature, and so 
   frame.at("depth.variance.Z", 30, 18) = -1;
   FeatureGuides guides;
   guides.feature_sigmas = {{"depth", 0.5F}, {"unused", 0.0F}, {"normal", 0.5F}, {"other", 2.0F}};
+  for (int y = 0; y < 21; ++y) {
+    for (int x = 0; x < 37; ++x) {
+      frame.at("other.W", x, y) = 0.5F;
+      frame.at("other.variance.W", x, y) = 1e-4F;
+    }
+  }
+  for (int i = 0; i < 4; ++i) {  // about to stand out: the derivative is above 1
+    frame.at("other.W", 3 + 9 * i, 6) += 0.01F * static_cast<float>(14 + 2 * i);
+  }
   const Source source(frame.frame(), inspect(frame.frame()));
   const SmoothFeatures smooth(source, guides, 32, 16, 21);
   REQUIRE(smooth.channels() == 8);
