@@ -34,7 +34,7 @@ AdaptiveOrderParams taylor(std::vector<int> orders) {
   return params;
 }
 
-// One exact feature that has nothing to do with the position, and noise that differs from pixel to pixel.
+// One exact feature that has nothing to do with the position.
 void fill_scene(OwnedFrame& frame) {
   Random random(9);
   for (int y = 0; y < kHeight; ++y) {
@@ -45,6 +45,7 @@ void fill_scene(OwnedFrame& frame) {
   }
 }
 
+// Noise differs from pixel to pixel.
 float variance_at(int x, int y) { return 0.01F * static_cast<float>(1 + (2 * x + 3 * y) % 5); }
 
 void set_variances(OwnedFrame& frame, bool has_noise) {
@@ -63,6 +64,22 @@ double polynomial(int order, int x, int y, double feature) {
     value += std::pow((x - 6.0) / 4.0, power) / power - std::pow((y - 3.0) / 5.0, power) + std::pow(feature, power);
   }
   return value;
+}
+
+double truth_at(OwnedFrame& frame, int order, int x, int y) {
+  return polynomial(order, x, y, frame.at("visibility.V", x, y));
+}
+
+// A polynomial, and noise of variance_at() if there is a source of it.
+void fill_colours(OwnedFrame& frame, int order, Random* noise) {
+  for (const char* c : kRgb) {
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        const double away = noise != nullptr ? std::sqrt(variance_at(x, y)) * noise->normal() : 0.0;
+        frame.at(c, x, y) = static_cast<float>(truth_at(frame, order, x, y) + away);
+      }
+    }
+  }
 }
 
 // What the risk of the pipeline is: (F - y)^2 - V + 2 D.
@@ -112,19 +129,12 @@ TEST_CASE("adaptive-order, Taylor: the variance is that of the fit, over many dr
     std::vector<Statistics> predicted(watched.size());
     Random random(77);
     for (int draw = 0; draw < 334; ++draw) {
-      for (const char* c : kRgb) {
-        for (int y = 0; y < kHeight; ++y) {
-          for (int x = 0; x < kWidth; ++x) {
-            const double truth = polynomial(order, x, y, frame.at("visibility.V", x, y));
-            frame.at(c, x, y) = static_cast<float>(truth + std::sqrt(variance_at(x, y)) * random.normal());
-          }
-        }
-      }
+      fill_colours(frame, order, &random);
       const BankResult bank = run_filter(params, frame.frame());
       for (std::size_t w = 0; w < watched.size(); ++w) {
         const auto [x, y] = watched[w];
         for (std::size_t c = 0; c < 3; ++c) {
-          const double truth = polynomial(order, x, y, frame.at("visibility.V", x, y));
+          const double truth = truth_at(frame, order, x, y);
           const double away = bank.result[0][c].row(y)[x] - truth;
           square[w].add(away * away);
           const double error = predicted_error(frame, bank, 0, c, watched[w]);
@@ -150,13 +160,7 @@ TEST_CASE("adaptive-order, Taylor: of a polynomial of the fit's own order the er
     const AdaptiveOrderParams params = taylor({order});
     const std::vector<NoiseShares> shares = noise_shares(params, frame, watched);
     set_variances(frame, true);
-    for (const char* c : kRgb) {
-      for (int y = 0; y < kHeight; ++y) {
-        for (int x = 0; x < kWidth; ++x) {
-          frame.at(c, x, y) = static_cast<float>(polynomial(order, x, y, frame.at("visibility.V", x, y)));
-        }
-      }
-    }
+    fill_colours(frame, order, nullptr);
     const BankResult bank = run_filter(params, frame.frame());
     for (std::size_t w = 0; w < watched.size(); ++w) {
       CAPTURE(order, watched[w].first, watched[w].second);
@@ -171,13 +175,7 @@ TEST_CASE("adaptive-order, Taylor: without noise the error is the square of the 
   fill_scene(frame);
   set_variances(frame, false);
   for (const auto& [order, truth] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2), std::pair(1, 3)}) {
-    for (const char* c : kRgb) {
-      for (int y = 0; y < kHeight; ++y) {
-        for (int x = 0; x < kWidth; ++x) {
-          frame.at(c, x, y) = static_cast<float>(polynomial(truth, x, y, frame.at("visibility.V", x, y)));
-        }
-      }
-    }
+    fill_colours(frame, truth, nullptr);
     const BankResult bank = run_filter(taylor({order}), frame.frame());
     double largest = 0;
     for (int y = 0; y < kHeight; ++y) {

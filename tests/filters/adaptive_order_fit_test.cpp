@@ -70,6 +70,55 @@ double largest_change(const BankResult& bank, std::size_t candidate, OwnedFrame&
   return largest;
 }
 
+constexpr std::array<const char*, 3> kNormal = {"X", "Y", "Z"};
+
+float covariance_of(std::size_t channel, std::size_t k) {
+  constexpr std::array<float, 3> kCovariance = {4e-5F, -3e-5F, 2e-5F};
+  return kCovariance[(channel + k) % 3];
+}
+
+// Normals far apart in units of their noise, so that smoothing leaves them as they are and every direction is kept.
+// Only they have covariances.
+void fill_distinct_normals(OwnedFrame& frame) {
+  fill_random(frame, 31);
+  Random random(5);
+  for (int y = 0; y < frame.frame().height; ++y) {
+    for (int x = 0; x < frame.frame().width; ++x) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        frame.at(std::string("normal.") + kNormal[k], x, y) = static_cast<float>(2.0 * random.uniform() - 1.0);
+        frame.at(std::string("normal.variance.") + kNormal[k], x, y) = 1e-6F;
+        for (std::size_t c = 0; c < 3; ++c) {
+          frame.at(std::string("covariance.") + kRgb[c] + ".normal." + kNormal[k], x, y) = covariance_of(c, k);
+        }
+      }
+      for (const char* name : {"covariance.R.G", "covariance.R.B", "covariance.G.B"}) frame.at(name, x, y) = 0;
+    }
+  }
+}
+
+// [colour channel][normal channel]: how a pixel's result moves with its normal times their covariance, by running the
+// filter on frames with another normal.
+std::array<std::array<double, 3>, 3> moved_by_normals(const AdaptiveOrderParams& params, OwnedFrame& frame, int x,
+                                                      int y) {
+  std::array<std::array<double, 3>, 3> moved{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    float& own = frame.at(std::string("normal.") + kNormal[k], x, y);
+    const float centre = own;
+    own = centre + 0.02F;
+    const double above = own;
+    const BankResult up = run_filter(params, frame.frame());
+    own = centre - 0.02F;
+    const double distance = above - own;
+    const BankResult down = run_filter(params, frame.frame());
+    own = centre;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double change = static_cast<double>(up.result[0][c].row(y)[x]) - down.result[0][c].row(y)[x];
+      moved[c][k] = change / distance * covariance_of(c, k);
+    }
+  }
+  return moved;
+}
+
 }  // namespace
 
 TEST_CASE("adaptive-order: a polynomial of position and feature is reproduced, by its own order and no lower one") {
@@ -181,6 +230,26 @@ TEST_CASE("adaptive-order: the responses to unit impulses sum to 1, and the pixe
   }
   for (const auto& sum : sums) {
     for (const double total : sum) CHECK(total == Approx(1.0).margin(1e-5));
+  }
+}
+
+TEST_CASE("adaptive-order: the features' part of the divergence is the derivative of the filter") {
+  OwnedFrame frame(15, 13, {{"normal", 3}});
+  fill_distinct_normals(frame);
+  for (const std::vector<float>& range_sigmas : {std::vector<float>{}, std::vector<float>{9.0F}}) {
+    AdaptiveOrderParams params = plain_fit({1});  // without ridge it depends on what the directions span alone
+    params.range_sigmas = range_sigmas;
+    const BankResult joint = run_filter(params, frame.frame(), {64, 32, Divergence::kJoint, {}});
+    const BankResult plain = run_filter(params, frame.frame(), {64, 32, Divergence::kPlain, {}});
+    for (const auto& [x, y] : {std::pair(0, 0), std::pair(7, 6), std::pair(14, 5), std::pair(3, 11)}) {
+      CAPTURE(range_sigmas.size(), x, y);
+      const auto moved = moved_by_normals(params, frame, x, y);
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double found = static_cast<double>(joint.divergence[0][c].row(y)[x]) - plain.divergence[0][c].row(y)[x];
+        const double size = std::abs(moved[c][0]) + std::abs(moved[c][1]) + std::abs(moved[c][2]);
+        CHECK(std::abs(found - (moved[c][0] + moved[c][1] + moved[c][2])) < 0.01 * size);
+      }
+    }
   }
 }
 

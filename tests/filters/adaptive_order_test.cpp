@@ -253,66 +253,6 @@ TEST_CASE("adaptive-order: the joint divergence takes in covariances with featur
   check_agreement(params, frame.frame(), {Divergence::kJoint, 61, 1});
 }
 
-TEST_CASE("adaptive-order: the features' part of the divergence is the derivative of the filter") {
-  constexpr int kWidth = 15;
-  constexpr int kHeight = 13;
-  OwnedFrame frame(kWidth, kHeight, {{"normal", 3}});
-  fill_random(frame, 31);
-  // Far apart in units of their noise, so that smoothing leaves them as they are and every direction is kept: without
-  // ridge, a fit of order 1 does not depend on the directions.
-  Random random(5);
-  const std::array<const char*, 3> features = {"X", "Y", "Z"};
-  const double covariance[3] = {4e-5, -3e-5, 2e-5};
-  for (const char* k : features) {
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        frame.at(std::string("normal.") + k, x, y) = static_cast<float>(2.0 * random.uniform() - 1.0);
-        frame.at(std::string("normal.variance.") + k, x, y) = 1e-6F;
-        for (std::size_t c = 0; c < 3; ++c) {
-          const std::string name = std::string("covariance.") + "RGB"[c] + ".normal." + k;
-          frame.at(name, x, y) = static_cast<float>(covariance[(static_cast<std::size_t>(k[0] - 'X') + c) % 3]);
-        }
-      }
-    }
-  }
-  for (const char* name : {"covariance.R.G", "covariance.R.B", "covariance.G.B"}) {
-    for (int y = 0; y < kHeight; ++y) std::fill_n(frame.plane(name).row(y), kWidth, 0.0F);
-  }
-  for (AdaptiveOrderParams params : {small_bank(), spatial_bank()}) {
-    params.orders = {1};
-    params.ridge = 0;
-    if (!params.range_sigmas.empty()) params.range_sigmas = {9.0F};
-    const BankResult joint = run_filter(params, frame.frame(), {64, 32, Divergence::kJoint, {}});
-    const BankResult plain = run_filter(params, frame.frame(), {64, 32, Divergence::kPlain, {}});
-    for (const auto& [x, y] : {std::pair(0, 0), std::pair(7, 6), std::pair(14, 5), std::pair(3, 11)}) {
-      CAPTURE(params.range_sigmas.size(), x, y);
-      std::array<double, 3> expected{};
-      double largest = 0;
-      for (std::size_t k = 0; k < 3; ++k) {
-        constexpr float kStep = 0.02F;
-        float& own = frame.at(std::string("normal.") + features[k], x, y);
-        const float centre = own;
-        own = centre + kStep;
-        const BankResult up = run_filter(params, frame.frame());
-        const double above = own;
-        own = centre - kStep;
-        const BankResult down = run_filter(params, frame.frame());
-        const double distance = above - own;
-        own = centre;
-        for (std::size_t c = 0; c < 3; ++c) {
-          const double slope = (up.result[0][c].row(y)[x] - down.result[0][c].row(y)[x]) / distance;
-          expected[c] += slope * covariance[(k + c) % 3];
-          largest = std::max(largest, std::abs(slope * covariance[(k + c) % 3]));
-        }
-      }
-      for (std::size_t c = 0; c < 3; ++c) {
-        const double found = static_cast<double>(joint.divergence[0][c].row(y)[x]) - plain.divergence[0][c].row(y)[x];
-        CHECK(std::abs(found - expected[c]) < 0.01 * largest);
-      }
-    }
-  }
-}
-
 TEST_CASE("adaptive-order: all instruction sets of this machine agree") {
   OwnedFrame frame(37, 19, kUsualFeatures);
   fill_random(frame, 13);
