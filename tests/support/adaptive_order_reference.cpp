@@ -122,10 +122,12 @@ AdaptiveOrderReference::Eigen AdaptiveOrderReference::decompose(Matrix a) {
 }
 
 // [direction][channel]: what a difference of features adds to the direction, whose variance over the window is 1.
-AdaptiveOrderReference::Matrix AdaptiveOrderReference::directions(int x, int y) const {
+const AdaptiveOrderReference::Matrix& AdaptiveOrderReference::directions(int x, int y) const {
+  const auto [entry, is_new] = directions_.try_emplace({x, y});
+  Matrix& directions = entry->second;
+  if (!is_new) return directions;
   Vector scale;
   const Eigen eigen = decompose(whitened_covariance(x, y, scale));
-  Matrix directions;
   for (std::size_t r = 0; r < std::min(eigen.value.size(), kMostDirections); ++r) {
     if (eigen.value[r] <= static_cast<double>(params_.noise_threshold)) break;
     directions.emplace_back();
@@ -144,6 +146,46 @@ bool AdaptiveOrderReference::is_near_threshold(int x, int y) const {
   });
 }
 
+// The features at which a pixel's fit is read.
+AdaptiveOrderReference::Vector AdaptiveOrderReference::read_at(int x, int y, const Nudge& nudge) const {
+  Vector features = features_at(x, y);
+  const std::size_t at =
+      static_cast<std::size_t>(y) * static_cast<std::size_t>(source_.frame().width) + static_cast<std::size_t>(x);
+  for (std::size_t k = 0; k < features.size() && !nudge.features.empty(); ++k) {
+    const auto [f, channel] = channels_[k];
+    float before = 0;
+    source_.feature_variance_row(f, channel, y, x, 1, &before);
+    const double kept = before > 0 ? noise_[k][at] / before : 1.0;  // what smoothing leaves of a step
+    features[k] += kept * source_.feature_scale(f) * nudge.features[f][channel];
+  }
+  return features;
+}
+
+// AOS Eq. 7; powers over the roots of their second moments for normal variates.
+AdaptiveOrderReference::Vector AdaptiveOrderReference::row_of(int order, const Vector& first) {
+  Vector row = {1.0};
+  double moment = 1.0;
+  for (int power = 1; power <= order; ++power) {
+    moment *= 2 * power - 1;
+    for (const double value : first) row.push_back(std::pow(value, power) / std::sqrt(moment));
+  }
+  return row;
+}
+
+void AdaptiveOrderReference::add_equations(Window& window) const {
+  const std::size_t n = window.rows.empty() ? 1 : window.rows[0].size();
+  window.equations.assign(n, Vector(n, 0.0));
+  for (std::size_t a = 0; a < n; ++a) {
+    for (std::size_t b = a; b < n; ++b) {
+      double sum = a > 0 && a == b ? static_cast<double>(params_.ridge) : 0.0;
+      for (std::size_t i = 0; i < window.rows.size(); ++i) {
+        sum += window.neighbours[i].weight * window.rows[i][a] * window.rows[i][b];
+      }
+      window.equations[a][b] = window.equations[b][a] = sum;
+    }
+  }
+}
+
 AdaptiveOrderReference::Window AdaptiveOrderReference::window(int order, double sigma_r, int x, int y,
                                                               const Nudge& nudge) const {
   Window window{nlm_.neighbours(sigma_r, x, y, nudge), {}, {}, {}};
@@ -153,16 +195,7 @@ AdaptiveOrderReference::Window AdaptiveOrderReference::window(int order, double 
     window.own[c] = own + nudge.colour[c];
   }
   const Matrix basis = order > 0 ? directions(x, y) : Matrix();
-  Vector own = features_at(x, y);
-  for (std::size_t k = 0; k < own.size() && !nudge.features.empty(); ++k) {
-    const auto [f, channel] = channels_[k];
-    float before = 0;
-    source_.feature_variance_row(f, channel, y, x, 1, &before);
-    const std::size_t at =
-        static_cast<std::size_t>(y) * static_cast<std::size_t>(source_.frame().width) + static_cast<std::size_t>(x);
-    const double kept = before > 0 ? noise_[k][at] / before : 1.0;  // what smoothing leaves of a step
-    own[k] += kept * source_.feature_scale(f) * nudge.features[f][channel];
-  }
+  const Vector own = read_at(x, y, nudge);
   const double radius = params_.window_radius;
   const double unit = 1.0 / std::sqrt(radius * (radius + 1.0) / 3.0);
   for (auto& other : window.neighbours) {
@@ -173,27 +206,12 @@ AdaptiveOrderReference::Window AdaptiveOrderReference::window(int order, double 
       first.push_back(0.0);
       for (std::size_t k = 0; k < own.size(); ++k) first.back() += direction[k] * (features[k] - own[k]);
     }
-    Vector row = {1.0};
-    double moment = 1.0;
-    for (int power = 1; power <= order; ++power) {
-      moment *= 2 * power - 1;
-      for (const double value : first) row.push_back(std::pow(value, power) / std::sqrt(moment));
-    }
-    window.rows.push_back(std::move(row));
+    window.rows.push_back(row_of(order, first));
     if (params_.spatial_sigma <= 0) continue;
     const double distance = (other.x - x) * (other.x - x) + (other.y - y) * (other.y - y);
     other.weight *= std::exp(-distance / (2.0 * params_.spatial_sigma * params_.spatial_sigma));
   }
-  const std::size_t n = 1 + static_cast<std::size_t>(order) * (2 + basis.size());
-  window.equations.assign(n, Vector(n, 0.0));
-  for (std::size_t a = 0; a < n; ++a) {
-    for (std::size_t b = 0; b < n; ++b) {
-      for (std::size_t i = 0; i < window.rows.size(); ++i) {
-        window.equations[a][b] += window.neighbours[i].weight * window.rows[i][a] * window.rows[i][b];
-      }
-    }
-    if (a > 0) window.equations[a][a] += params_.ridge;
-  }
+  add_equations(window);
   return window;
 }
 

@@ -5,6 +5,8 @@
 
 #include <array>
 #include <limits>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "support/cross_nlm_reference.hpp"
@@ -46,7 +48,10 @@ class AdaptiveOrderReference {
   };
   [[nodiscard]] Vector features_at(int x, int y) const;
   [[nodiscard]] Matrix whitened_covariance(int x, int y, Vector& scale) const;
-  [[nodiscard]] Matrix directions(int x, int y) const;
+  [[nodiscard]] const Matrix& directions(int x, int y) const;
+  [[nodiscard]] Vector read_at(int x, int y, const Nudge& nudge) const;
+  [[nodiscard]] static Vector row_of(int order, const Vector& first);
+  void add_equations(Window& window) const;
   [[nodiscard]] Window window(int order, double sigma_r, int x, int y, const Nudge& nudge) const;
   [[nodiscard]] static Vector coefficients(const Window& window, std::size_t channel);
   [[nodiscard]] static Eigen decompose(Matrix a);
@@ -59,6 +64,7 @@ class AdaptiveOrderReference {
   std::vector<std::pair<std::size_t, std::size_t>> channels_;  // feature and its channel
   Matrix mean_;                                                // [channel][pixel]
   Matrix noise_;
+  mutable std::map<std::pair<int, int>, Matrix> directions_;  // of the pixels that were asked for
 };
 
 }  // namespace stein::test
