@@ -217,6 +217,93 @@ TEST_CASE("Parameters of the cross non-local means bank are checked") {
   }
 }
 
+TEST_CASE("The adaptive-order banks name orders and range sigmas and differ in their windows") {
+  stein::AdaptiveOrderParams params;
+  params.orders = {0, 3};
+  params.range_sigmas = {0.70710678F, 4.0F};
+  CHECK(stein::candidate_names(params) == std::vector<std::string>{"input", "order=0 sigma_r=0.707",
+                                                                   "order=3 sigma_r=0.707", "order=0 sigma_r=4",
+                                                                   "order=3 sigma_r=4"});
+  params.orders = {1};
+  params.range_sigmas.clear();
+  CHECK(stein::candidate_names(params) == std::vector<std::string>{"input", "order=1"});
+  const stein::AdaptiveOrderParams usual;
+  const stein::AdaptiveOrderParams intermediate = stein::intermediate_adaptive_order();
+  CHECK(intermediate.window_radius < usual.window_radius);
+  CHECK(intermediate.orders == usual.orders);
+  CHECK(intermediate.range_sigmas == usual.range_sigmas);
+  CHECK(refusal(intermediate).empty());
+  CHECK(stein::has_derivative(usual));
+}
+
+TEST_CASE("Parameters of the adaptive-order bank are checked") {
+  using Params = stein::AdaptiveOrderParams;
+  const auto message = [](const auto& change) {
+    Params params;
+    change(params);
+    return refusal(params);
+  };
+  CHECK(message([](Params& p) { p.orders = {0, 1, 3}; }).empty());
+  CHECK(message([](Params& p) { p.orders = {3}; }).empty());
+  CHECK(message([](Params& p) { p.range_sigmas.clear(); }).empty());
+  CHECK(message([](Params& p) { p.range_sigmas = {0.05F, 1.0F, 100.0F}; }).empty());
+  CHECK(message([](Params& p) { p.spatial_sigma = 0; }).empty());
+  CHECK(message([](Params& p) { p.spatial_sigma = 0.5F; }).empty());
+  CHECK(message([](Params& p) { p.spatial_sigma = 100.0F; }).empty());
+  CHECK(message([](Params& p) { p.window_radius = 1; }).empty());
+  CHECK(message([](Params& p) { p.window_radius = 20; }).empty());
+  CHECK(message([](Params& p) { p.patch_radius = 0; }).empty());
+  CHECK(message([](Params& p) { p.patch_radius = 4; }).empty());
+  CHECK(message([](Params& p) { p.noise_threshold = 1; }).empty());
+  CHECK(message([](Params& p) { p.noise_threshold = 1e6F; }).empty());
+  CHECK(message([](Params& p) { p.ridge = 0; }).empty());
+  CHECK(message([](Params& p) { p.ridge = 1e6F; }).empty());
+  const std::vector<std::pair<std::string, std::string>> messages = {
+      {message([](Params& p) { p.orders.clear(); }), "the number of orders is 0, must be in [1..3]"},
+      {message([](Params& p) { p.orders = {2}; }), "orders[0] is 2, must be 0, 1 or 3"},
+      {message([](Params& p) { p.orders = {-1}; }), "orders[0] is -1"},
+      {message([](Params& p) {
+         p.orders = {1, 0};
+       }),
+       "orders[1] is 0, must be above the one before it"},
+      {message([](Params& p) {
+         p.orders = {1, 1};
+       }),
+       "orders[1] is 1, must be above"},
+      {message([](Params& p) { p.range_sigmas = {0.04F}; }), "range_sigmas[0] is 0.04, must be in [0.05..100]"},
+      {message([](Params& p) {
+         p.range_sigmas = {1, NAN};
+       }),
+       "range_sigmas[1] is nan"},
+      {message([](Params& p) {
+         p.range_sigmas = {2, 2};
+       }),
+       "range_sigmas[1] is 2, must be above"},
+      {message([](Params& p) {
+         p.range_sigmas = {1, 2, 3, 4};
+       }),
+       "number of range_sigmas is 4, must be in [1..3]"},
+      {message([](Params& p) { p.spatial_sigma = 0.4F; }), "spatial_sigma (0: off) is 0.4, must be in [0.5..100] px"},
+      {message([](Params& p) { p.spatial_sigma = -1; }), "spatial_sigma (0: off) is -1"},
+      {message([](Params& p) { p.spatial_sigma = NAN; }), "spatial_sigma (0: off) is nan"},
+      {message([](Params& p) { p.window_radius = 0; }), "window_radius is 0, must be in [1..20] px"},
+      {message([](Params& p) { p.window_radius = 21; }), "window_radius is 21"},
+      {message([](Params& p) { p.patch_radius = -1; }), "patch_radius is -1, must be in [0..4] px"},
+      {message([](Params& p) { p.patch_radius = 5; }), "patch_radius is 5"},
+      {message([](Params& p) { p.patch_blur = -0.1F; }), "patch_blur is -0.1, must be in [0..1]"},
+      {message([](Params& p) { p.noise_threshold = 0.9F; }), "noise_threshold is 0.9, must be in [1..1e+06]"},
+      {message([](Params& p) { p.noise_threshold = 2e6F; }), "noise_threshold is 2e+06"},
+      {message([](Params& p) { p.ridge = -1; }), "ridge is -1, must be in [0..1e+06]"},
+      {message([](Params& p) { p.ridge = NAN; }), "ridge is nan"},
+      {message([](Params& p) { p.guides.other_feature_sigma = -1; }), "other_feature_sigma is -1"},
+  };
+  for (const auto& [text, part] : messages) {
+    CAPTURE(text, part);
+    CHECK(contains(text, part));
+    CHECK(contains(text, "adaptive-order: "));
+  }
+}
+
 TEST_CASE("Numbers in texts are short and do not depend on the locale") {
   CHECK(stein::to_text(0.1F) == "0.1");
   CHECK(stein::to_text(16.0F) == "16");

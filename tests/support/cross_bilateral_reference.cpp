@@ -20,11 +20,12 @@ double feature_distance(const FeatureGuides& guides, const Source& source, int x
     double sigma = guides.other_feature_sigma;
     for (const FeatureSigma& entry : guides.feature_sigmas)
       sigma = entry.name == features[f].name ? entry.sigma : sigma;
+    if (sigma == 0) continue;
     float valid_i = 0;
     float valid_j = 0;
     feature_validity_row(features[f], yi, xi, 1, &valid_i);
     feature_validity_row(features[f], yj, xj, 1, &valid_j);
-    if (sigma == 0 || valid_i == 0 || valid_j == 0) continue;
+    if (valid_i == 0 || valid_j == 0) continue;
     const double scale = source.feature_scale(f);
     double squared = 0;
     double variance = 0;

@@ -82,27 +82,39 @@ double CrossNlmReference::patch_distance(const std::vector<Pixel>& pixels, int x
   return count > 0 ? std::max(sum / count, 0.0) : 0.0;
 }
 
-std::array<double, 3> CrossNlmReference::result(double sigma_r, int x, int y, const Nudge& nudge) const {
+std::vector<CrossNlmReference::Neighbour> CrossNlmReference::neighbours(double sigma_r, int x, int y,
+                                                                        const Nudge& nudge) const {
   std::vector<Pixel> pixels = pixels_;
   for (std::size_t c = 0; c < 3; ++c) pixels[index_of(x, y, width_)].colour[c] += nudge.colour[c];
   for (int py = std::max(y - 1, 0); py <= std::min(y + 1, height_ - 1); ++py) {
     for (int px = std::max(x - 1, 0); px <= std::min(x + 1, width_ - 1); ++px) blur(pixels, px, py);
   }
-  const Pixel& own = pixels[index_of(x, y, width_)];
-  double weight_sum = 0;
-  std::array<double, 3> sum{};
+  std::vector<Neighbour> found;
   for (int py = y - params_.window_radius; py <= y + params_.window_radius; ++py) {
     for (int px = x - params_.window_radius; px <= x + params_.window_radius; ++px) {
       const Pixel* other = source_at(pixels, px, py);
       if (other == nullptr) continue;
-      const double weight = std::exp(-patch_distance(pixels, x, y, px, py) / (2.0 * sigma_r * sigma_r) -
+      const double patches = std::isinf(sigma_r) ? 0.0 : patch_distance(pixels, x, y, px, py);
+      const double weight = std::exp(-patches / (2.0 * sigma_r * sigma_r) -
                                      feature_distance(params_.guides, source_, x, y, px, py, nudge));
-      weight_sum += weight;
-      for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * other->colour[c];
+      found.push_back({px, py, weight, other->colour});
     }
   }
+  return found;
+}
+
+std::array<double, 3> CrossNlmReference::result(double sigma_r, int x, int y, const Nudge& nudge) const {
+  double weight_sum = 0;
+  std::array<double, 3> sum{};
+  for (const Neighbour& other : neighbours(sigma_r, x, y, nudge)) {
+    weight_sum += other.weight;
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += other.weight * other.colour[c];
+  }
+  const Pixel& own = pixels_[index_of(x, y, width_)];
   std::array<double, 3> result{};
-  for (std::size_t c = 0; c < 3; ++c) result[c] = weight_sum > 0 ? sum[c] / weight_sum : own.colour[c];
+  for (std::size_t c = 0; c < 3; ++c) {
+    result[c] = weight_sum > 0 ? sum[c] / weight_sum : own.colour[c] + nudge.colour[c];
+  }
   return result;
 }
 

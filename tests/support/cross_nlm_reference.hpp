@@ -17,7 +17,16 @@ class CrossNlmReference {
   /// SBF Eq. 10 and 5, with either distance.
   [[nodiscard]] std::array<double, 3> result(double sigma_r, int x, int y, const Nudge& nudge = {}) const;
 
-  /// Joint SURE Eq. 2 by central differences of the above.
+  /// The sources in the pixel's window with their weights. An infinite sigma_r: by their guides alone.
+  struct Neighbour {
+    int x = 0;
+    int y = 0;
+    double weight = 0;
+    std::array<double, 3> colour{};
+  };
+  [[nodiscard]] std::vector<Neighbour> neighbours(double sigma_r, int x, int y, const Nudge& nudge = {}) const;
+
+  /// Joint SURE Eq. 2 by central differences of result().
   [[nodiscard]] std::array<double, 3> divergence(double sigma_r, int x, int y, Divergence divergence) const;
 
  private:
