@@ -201,11 +201,9 @@ HWY_INLINE void run_block(const CrossNlmRows& rows, std::ptrdiff_t x, int width)
   constexpr std::size_t kGroup = kNlmTapGroup * kNlmBlockPixels;
   const TapDistances distances{take(kGroup), {take(kGroup), take(kGroup), take(kGroup)}};
   const auto field = [&] { return take(kNlmPatchFloats); };
-  PatchBlock block{rows,
-                   x,
-                   width,
-                   false,
-                   {field(), field(), {field(), field(), field()}, field(), field(), {field(), field(), field()}}};
+  PatchBlock block{
+      rows,  x,    width,
+      false, true, {field(), field(), {field(), field(), field()}, field(), field(), {field(), field(), field()}}};
   block.is_masked = has_hole(d, block);
   float* sums = next;
   const std::ptrdiff_t vectors = width / lanes;

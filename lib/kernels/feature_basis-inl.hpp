@@ -81,18 +81,29 @@ HWY_INLINE void whitened_covariance(FloatTag d, const LocalPolynomialRows& rows,
     first[i] = noise[i] = hn::Zero(d);
     for (int j = i; j < n; ++j) system.matrix[i][j] = hn::Zero(d);
   }
-  for (int t = 0; t < rows.weights.tap_count; ++t) {
-    const std::ptrdiff_t at = x + rows.weights.taps[t];
-    const FloatVec mask = hn::LoadU(d, rows.weights.guides.mask + at);
-    count = hn::Add(count, mask);
-    FloatVec e[kMaxRegressionFeatures];
-    for (int i = 0; i < n; ++i) {
-      e[i] = hn::Mul(mask, hn::Sub(hn::LoadU(d, rows.feature[i] + at), own[i]));  // mask^2 = mask
-      first[i] = hn::Add(first[i], e[i]);
-      noise[i] = hn::MulAdd(mask, hn::LoadU(d, rows.feature_noise[i] + at), noise[i]);
+  for (int first_tap = 0; first_tap < rows.weights.tap_count; first_tap += kTapBatch) {
+    FloatVec mask[kTapBatch];
+    FloatVec e[kMaxRegressionFeatures][kTapBatch];
+    std::ptrdiff_t at[kTapBatch];
+    for (int t = 0; t < kTapBatch; ++t) {
+      at[t] = x + rows.weights.taps[first_tap + t];
+      const bool is_tap = first_tap + t < rows.weights.tap_count;
+      mask[t] = is_tap ? hn::LoadU(d, rows.weights.guides.mask + at[t]) : hn::Zero(d);
+      count = hn::Add(count, mask[t]);
     }
     for (int i = 0; i < n; ++i) {
-      for (int j = i; j < n; ++j) system.matrix[i][j] = hn::MulAdd(e[i], e[j], system.matrix[i][j]);
+      for (int t = 0; t < kTapBatch; ++t) {
+        e[i][t] = hn::Mul(mask[t], hn::Sub(hn::LoadU(d, rows.feature[i] + at[t]), own[i]));  // mask^2 = mask
+        first[i] = hn::Add(first[i], e[i][t]);
+        noise[i] = hn::MulAdd(mask[t], hn::LoadU(d, rows.feature_noise[i] + at[t]), noise[i]);
+      }
+    }
+    for (int i = 0; i < n; ++i) {
+      for (int j = i; j < n; ++j) {
+        FloatVec sum = system.matrix[i][j];
+        for (int t = 0; t < kTapBatch; ++t) sum = hn::MulAdd(e[i][t], e[j][t], sum);
+        system.matrix[i][j] = sum;
+      }
     }
   }
   const FloatVec share = hn::Div(hn::Set(d, 1.0F), hn::Max(count, hn::Set(d, 1.0F)));

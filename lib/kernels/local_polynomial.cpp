@@ -17,14 +17,12 @@
 #include <hwy/highway.h>
 
 #include "kernels/feature_basis-inl.hpp"
+#include "kernels/normal_equations-inl.hpp"
 #include "kernels/patch_distance-inl.hpp"
 #include "kernels/weights-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace stein::kernels::HWY_NAMESPACE {
-
-// Pivots below this share of their diagonal entry are rounding: the column depends on those before it.
-inline constexpr float kSingular = 1e-5F;
 
 // One vector of pixels.
 struct FitPixels {
@@ -43,19 +41,8 @@ struct TapGroup {
   TapDistances distances;  // of the first tap and pixel
 };
 
-// What a batch of neighbours brings.
-struct TapBatch {
-  FloatVec column[kMaxColumns][kTapBatch];  // x_i, by powers
-  FloatVec colour[3][kTapBatch];            // y_i - y_c
-};
-
 HWY_INLINE int highest_order(const LocalPolynomialRows& rows) { return rows.order[rows.orders - 1]; }
 HWY_INLINE int fitted_order(const LocalPolynomialRows& rows) { return highest_order(rows) + (rows.is_taylor ? 2 : 0); }
-
-// Row a of the upper triangle and the right-hand sides behind it.
-constexpr std::ptrdiff_t row_of(int columns, int a) {
-  return static_cast<std::ptrdiff_t>(a) * (columns + 3) - static_cast<std::ptrdiff_t>(a) * (a - 1) / 2;
-}
 
 // Partial polynomials, AOS Eq. 7; powers are scaled by the root of their second moment for normal variates.
 HWY_INLINE void fill_columns(FloatTag d, const LocalPolynomialRows& rows, const FitPixels& pixels, int tap, int order,
@@ -111,45 +98,6 @@ HWY_INLINE bool weights_of(FloatTag d, const LocalPolynomialRows& rows, int sigm
   return !hn::AllTrue(d, hn::Eq(total, hn::Zero(d)));
 }
 
-HWY_INLINE void add_to(FloatTag d, float* HWY_RESTRICT sum, const FloatVec (&a)[kTapBatch],
-                       const FloatVec (&b)[kTapBatch]) {
-  FloatVec total = hn::Load(d, sum);
-  for (int t = 0; t < kTapBatch; ++t) total = hn::MulAdd(a[t], b[t], total);
-  hn::Store(total, d, sum);
-}
-
-// Rows a and, with kPair, a + 1 of X^T W X and X^T W Y.
-template <bool kPair>
-HWY_INLINE void add_rows(FloatTag d, const TapBatch& batch, const FloatVec (&w)[kTapBatch], int columns, int a,
-                         float* HWY_RESTRICT sums) {
-  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
-  FloatVec u[kTapBatch];
-  FloatVec v[kTapBatch];
-  for (int t = 0; t < kTapBatch; ++t) {
-    u[t] = hn::Mul(w[t], batch.column[a][t]);
-    if constexpr (kPair) v[t] = hn::Mul(w[t], batch.column[a + 1][t]);
-  }
-  float* HWY_RESTRICT first = sums + row_of(columns, a) * lanes;
-  float* HWY_RESTRICT second = sums + row_of(columns, a + 1) * lanes;
-  add_to(d, first, u, batch.column[a]);
-  first += lanes;
-  for (int b = a + 1; b < columns; ++b, first += lanes, second += lanes) {
-    add_to(d, first, u, batch.column[b]);
-    if constexpr (kPair) add_to(d, second, v, batch.column[b]);
-  }
-  for (int c = 0; c < 3; ++c, first += lanes, second += lanes) {
-    add_to(d, first, u, batch.colour[c]);
-    if constexpr (kPair) add_to(d, second, v, batch.colour[c]);
-  }
-}
-
-HWY_INLINE void add_normal_equations(FloatTag d, const TapBatch& batch, const FloatVec (&w)[kTapBatch], int columns,
-                                     float* HWY_RESTRICT sums) {
-  int a = 0;
-  for (; a + 1 < columns; a += 2) add_rows<true>(d, batch, w, columns, a, sums);
-  if (a < columns) add_rows<false>(d, batch, w, columns, a, sums);
-}
-
 HWY_INLINE std::ptrdiff_t sums_step(FloatTag d, const LocalPolynomialRows& rows) {
   return normal_equation_sums(most_columns(highest_order(rows), rows.is_taylor)) *
          static_cast<std::ptrdiff_t>(hn::Lanes(d));
@@ -177,59 +125,6 @@ HWY_NOINLINE void add_group_to_equations(const LocalPolynomialRows& rows, const 
   }
 }
 
-// X^T W X + ridge = L D L^T with the right-hand sides X^T W Y and e taken along; leading blocks are those of lower
-// orders.
-struct Factor {
-  int columns = 0;
-  float* HWY_RESTRICT rows;     // as the normal equations: D L^T, and what is left of their right-hand sides
-  float* HWY_RESTRICT inverse;  // of D; 0: the column depends on those before it
-  FloatVec unit[kMaxColumns];   // of e
-};
-
-HWY_INLINE void factorise(FloatTag d, const float* HWY_RESTRICT sums, float ridge, Factor& factor) {
-  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
-  const int n = factor.columns;
-  const FloatVec zero = hn::Zero(d);
-  std::copy_n(sums, normal_equation_sums(n) * lanes, factor.rows);
-  for (int a = 0; a < n; ++a) factor.unit[a] = hn::Set(d, a == 0 ? 1.0F : 0.0F);
-  for (int k = 0; k < n; ++k) {
-    float* HWY_RESTRICT row = factor.rows + row_of(n, k) * lanes;
-    const FloatVec own_ridge = hn::Set(d, k == 0 ? 0.0F : ridge);
-    const FloatVec diagonal = hn::Add(hn::Load(d, sums + row_of(n, k) * lanes), own_ridge);
-    const FloatVec pivot = hn::Add(hn::Load(d, row), own_ridge);
-    const auto is_regular = hn::Gt(pivot, hn::Max(hn::Mul(diagonal, hn::Set(d, kSingular)), hn::Set(d, 1e-30F)));
-    const FloatVec inverse =
-        hn::IfThenElseZero(is_regular, hn::Div(hn::Set(d, 1.0F), hn::IfThenElse(is_regular, pivot, hn::Set(d, 1.0F))));
-    hn::Store(inverse, d, factor.inverse + k * lanes);
-    for (int i = k + 1; i < n; ++i) {
-      const FloatVec m = hn::Mul(hn::Load(d, row + (i - k) * lanes), inverse);
-      float* HWY_RESTRICT target = factor.rows + row_of(n, i) * lanes;
-      for (int j = i; j < n + 3; ++j) {
-        const FloatVec old = hn::Load(d, target + (j - i) * lanes);
-        hn::Store(hn::NegMulAdd(m, hn::Load(d, row + (j - k) * lanes), old), d, target + (j - i) * lanes);
-      }
-      factor.unit[i] = hn::NegMulAdd(m, factor.unit[k], factor.unit[i]);
-    }
-    factor.unit[k] = hn::IfThenElse(is_regular, factor.unit[k], zero);
-  }
-}
-
-// Solution of the leading `columns`: part 0 is g, 1 to 3 are beta of the channels; solution[part * columns + k].
-HWY_INLINE void solve(FloatTag d, const Factor& factor, int columns, float* HWY_RESTRICT solution) {
-  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
-  const int n = factor.columns;
-  for (int part = 0; part < kSolutionParts; ++part, solution += columns * lanes) {
-    for (int k = columns - 1; k >= 0; --k) {
-      const float* HWY_RESTRICT row = factor.rows + row_of(n, k) * lanes;
-      FloatVec rest = part == 0 ? factor.unit[k] : hn::Load(d, row + (n - k + part - 1) * lanes);
-      for (int j = k + 1; j < columns; ++j) {
-        rest = hn::NegMulAdd(hn::Load(d, row + (j - k) * lanes), hn::Load(d, solution + j * lanes), rest);
-      }
-      hn::Store(hn::Mul(rest, hn::Load(d, factor.inverse + k * lanes)), d, solution + k * lanes);
-    }
-  }
-}
-
 // Where a range sigma's fit of one order lies: its solution, and behind it the sums of the second look at the window.
 HWY_INLINE float* fit_of(FloatTag d, const LocalPolynomialRows& rows, const FitPixels& pixels, int sigma, int order) {
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
@@ -241,23 +136,6 @@ HWY_INLINE float* moments_of(FloatTag d, const LocalPolynomialRows& rows, const 
                              int order) {
   const int most = most_columns(highest_order(rows), rows.is_taylor);
   return fit_of(d, rows, pixels, sigma, order) + kSolutionParts * most * static_cast<std::ptrdiff_t>(hn::Lanes(d));
-}
-
-// AOS Eq. 13, its first entry: g^T X^T W xi, with the higher powers' coefficients of the fit of two orders more.
-HWY_INLINE FloatVec taylor_bias(FloatTag d, const float* HWY_RESTRICT sums, const Factor& factor,
-                                const float* HWY_RESTRICT g, int columns, const float* HWY_RESTRICT higher,
-                                int higher_columns) {
-  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
-  FloatVec bias = hn::Zero(d);
-  for (int a = 0; a < columns; ++a) {
-    const float* HWY_RESTRICT row = sums + row_of(factor.columns, a) * lanes;
-    FloatVec sum = hn::Zero(d);
-    for (int b = columns; b < higher_columns; ++b) {
-      sum = hn::MulAdd(hn::Load(d, row + (b - a) * lanes), hn::Load(d, higher + b * lanes), sum);
-    }
-    bias = hn::MulAdd(hn::Load(d, g + a * lanes), sum, bias);
-  }
-  return bias;
 }
 
 HWY_NOINLINE void solve_all(const LocalPolynomialRows& rows, const FitPixels& pixels, float* HWY_RESTRICT scratch) {
@@ -482,11 +360,10 @@ HWY_INLINE void run_block(const LocalPolynomialRows& rows, std::ptrdiff_t x, int
   constexpr std::size_t kGroup = kNlmTapGroup * kNlmBlockPixels;
   const TapDistances distances{take(kGroup), {take(kGroup), take(kGroup), take(kGroup)}};
   const auto field = [&] { return take(kNlmPatchFloats); };
-  PatchBlock block{rows.weights,
-                   x,
-                   width,
-                   false,
-                   {field(), field(), {field(), field(), field()}, field(), field(), {field(), field(), field()}}};
+  PatchBlock block{
+      rows.weights, x,
+      width,        false,
+      true,         {field(), field(), {field(), field(), field()}, field(), field(), {field(), field(), field()}}};
   block.is_masked = has_hole(d, block);
   float* solver = take(static_cast<std::size_t>(normal_equation_sums(kMaxColumns) + kMaxColumns) * kMaxLanes);
 
@@ -506,8 +383,10 @@ HWY_INLINE void run_block(const LocalPolynomialRows& rows, std::ptrdiff_t x, int
       std::fill_n(p.sums, sigmas * sums_step(d, rows), 0.0F);
     }
   }
+  block.has_slopes = false;
   for_each_group(d, rows, block, distances, pixels,
                  [&](const FitPixels& p, const TapGroup& group) { add_group_to_equations(rows, p, group); });
+  block.has_slopes = !rows.is_taylor;
   for (int i = 0; i < count; ++i) solve_all(rows, pixels[i], solver);
   if (rows.is_taylor || rows.has_colour_weights) {
     for_each_group(d, rows, block, distances, pixels, [&](const FitPixels& p, const TapGroup& group) {

@@ -41,6 +41,7 @@ struct PatchBlock {
   std::ptrdiff_t x = 0;    // first pixel of the block
   int width = 0;           // a multiple of kMaxLanes
   bool is_masked = false;  // whether any pixel that its patches or neighbours reach is no source
+  bool has_slopes = true;  // whether slopes are wanted; without, none are written
   PatchFields fields;
   [[nodiscard]] int rim() const { return std::max(rows.patch_radius, 1); }
 };
@@ -91,7 +92,7 @@ HWY_INLINE Pair pair_at(FloatTag d, const CrossNlmRows& rows, std::ptrdiff_t a, 
   return pair;
 }
 
-template <bool kNormalised, bool kMasked>
+template <bool kNormalised, bool kMasked, bool kSlopes>
 HWY_INLINE void fill_pairs(FloatTag d, const PatchBlock& block, std::ptrdiff_t tap) {
   const CrossNlmRows& rows = block.rows;
   const PatchFields& fields = block.fields;
@@ -104,8 +105,10 @@ HWY_INLINE void fill_pairs(FloatTag d, const PatchBlock& block, std::ptrdiff_t t
       const std::ptrdiff_t at = first + k;
       const Pair pair = pair_at<kNormalised, kMasked>(d, rows, at, at + tap);
       hn::Store(pair.distance, d, fields.pairs + line + k);
-      const FloatVec slope = hn::Mul(pair.factor, hn::LoadU(d, rows.gain + at));
-      for (int c = 0; c < 3; ++c) hn::Store(hn::Mul(slope, pair.difference[c]), d, fields.slopes[c] + line + k);
+      if constexpr (kSlopes) {
+        const FloatVec slope = hn::Mul(pair.factor, hn::LoadU(d, rows.gain + at));
+        for (int c = 0; c < 3; ++c) hn::Store(hn::Mul(slope, pair.difference[c]), d, fields.slopes[c] + line + k);
+      }
       if constexpr (kMasked) {
         const FloatVec both = hn::Mul(hn::LoadU(d, rows.guides.mask + at), hn::LoadU(d, rows.guides.mask + at + tap));
         hn::Store(both, d, fields.masks + line + k);
@@ -179,7 +182,7 @@ HWY_INLINE void add_near_slopes(FloatTag d, const CrossNlmRows& rows, std::ptrdi
   }
 }
 
-template <int kRadius, bool kNormalised, bool kMasked>
+template <int kRadius, bool kNormalised, bool kMasked, bool kSlopes>
 HWY_INLINE void finish_pixels(FloatTag d, const PatchBlock& block, int y, int k, const Tap& tap,
                               const TapDistances& out) {
   const CrossNlmRows& rows = block.rows;
@@ -200,6 +203,7 @@ HWY_INLINE void finish_pixels(FloatTag d, const PatchBlock& block, int y, int k,
     distance = hn::IfThenElse(is_source, distance, hn::Set(d, kNoNeighbour));
   }
   hn::Store(distance, d, out.distance + to);
+  if constexpr (!kSlopes) return;
   const FloatVec blur = hn::Set(d, patch_blur(rows));
   FloatVec slope[3];
   for (int c = 0; c < 3; ++c) {
@@ -211,17 +215,26 @@ HWY_INLINE void finish_pixels(FloatTag d, const PatchBlock& block, int y, int k,
   for (int c = 0; c < 3; ++c) hn::Store(hn::Mul(slope[c], share), d, out.slope[c] + to);
 }
 
-template <int kRadius, bool kNormalised, bool kMasked>
+template <int kRadius, bool kNormalised, bool kMasked, bool kSlopes>
 HWY_NOINLINE void patch_distances_as(const PatchBlock& block, const Tap& tap, const TapDistances& out) {
   const FloatTag d;
-  fill_pairs<kNormalised, kMasked>(d, block, tap.offset);
+  fill_pairs<kNormalised, kMasked, kSlopes>(d, block, tap.offset);
   sum_along_x<kRadius>(d, block, block.fields.pairs, block.fields.pair_sums);
   if constexpr (kMasked) sum_along_x<kRadius>(d, block, block.fields.masks, block.fields.mask_sums);
-  spread_along_x(d, block);
+  if constexpr (kSlopes) spread_along_x(d, block);
   for (int y = 0; y < block.rows.rows; ++y) {
     for (int k = 0; k < block.width; k += static_cast<int>(hn::Lanes(d))) {
-      finish_pixels<kRadius, kNormalised, kMasked>(d, block, y, k, tap, out);
+      finish_pixels<kRadius, kNormalised, kMasked, kSlopes>(d, block, y, k, tap, out);
     }
+  }
+}
+
+template <int kRadius, bool kNormalised, bool kMasked>
+HWY_INLINE void patch_distances_or_slopes(const PatchBlock& block, const Tap& tap, const TapDistances& out) {
+  if (block.has_slopes) {
+    patch_distances_as<kRadius, kNormalised, kMasked, true>(block, tap, out);
+  } else {
+    patch_distances_as<kRadius, kNormalised, kMasked, false>(block, tap, out);
   }
 }
 
@@ -231,10 +244,10 @@ inline void patch_distances(const PatchBlock& block, const Tap& tap, const TapDi
   constexpr int kAny = -1;
   using Run = void (*)(const PatchBlock&, const Tap&, const TapDistances&);
   static constexpr Run kRuns[2][2][2] = {
-      {{patch_distances_as<kAny, false, false>, patch_distances_as<kAny, false, true>},
-       {patch_distances_as<kAny, true, false>, patch_distances_as<kAny, true, true>}},
-      {{patch_distances_as<kUsualRadius, false, false>, patch_distances_as<kUsualRadius, false, true>},
-       {patch_distances_as<kUsualRadius, true, false>, patch_distances_as<kUsualRadius, true, true>}}};
+      {{patch_distances_or_slopes<kAny, false, false>, patch_distances_or_slopes<kAny, false, true>},
+       {patch_distances_or_slopes<kAny, true, false>, patch_distances_or_slopes<kAny, true, true>}},
+      {{patch_distances_or_slopes<kUsualRadius, false, false>, patch_distances_or_slopes<kUsualRadius, false, true>},
+       {patch_distances_or_slopes<kUsualRadius, true, false>, patch_distances_or_slopes<kUsualRadius, true, true>}}};
   const bool is_usual_radius = block.rows.patch_radius == kUsualRadius;
   kRuns[is_usual_radius ? 1 : 0][block.rows.is_normalised ? 1 : 0][block.is_masked ? 1 : 0](block, tap, out);
 }
