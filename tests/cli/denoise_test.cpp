@@ -94,6 +94,24 @@ TEST_CASE("denoise: parameters reach the filter") {
   CHECK_FALSE(changes({"--threads", "2", "--tile", "16x8"}));
 }
 
+TEST_CASE("denoise: the order of a regression is that of all fits, or differs from pixel to pixel") {
+  const TemporaryFolder folder;
+  write(folder / "noisy.exr", noisy_image(kWidth, kHeight));
+  const auto run = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> all = {"--filter", "adaptive-order", "--bank", "intermediate"};
+    all.insert(all.end(), options.begin(), options.end());
+    denoise(folder, all);
+    return read_channel(folder / "clean.exr", "R");
+  };
+  const std::vector<float> adaptive = run({});
+  CHECK(run({"--order", "adaptive"}) == adaptive);
+  CHECK(run({"--order-error", "risk"}) == adaptive);
+  const std::vector<float> linear = run({"--order", "1"});
+  CHECK(linear != adaptive);
+  CHECK(run({"--order", "0"}) != linear);
+  CHECK(run({"--order", "3"}) != linear);
+}
+
 TEST_CASE("denoise: every filter runs with every risk that it has, and the report says which one it was") {
   const TemporaryFolder folder;
   write(folder / "noisy.exr", noisy_image(kWidth, kHeight));
@@ -107,6 +125,8 @@ TEST_CASE("denoise: every filter runs with every risk that it has, and the repor
       {{"--filter", "cross-nlm", "--risk", "sure"}, "SURE"},
       {{"--filter", "gaussian", "--risk", "joint"}, "SURE"},  // nothing that guides it is noisy
       {{"--filter", "atrous"}, "Monte Carlo SURE"},
+      {{"--filter", "adaptive-order", "--bank", "intermediate"}, "SURE"},
+      {{"--filter", "adaptive-order", "--bank", "intermediate", "--order-error", "taylor"}, "Taylor expansion"},
       {{"--filter", "atrous-sure", "--risk", "monte-carlo"}, "Monte Carlo SURE"},
   };
   for (const Case& k : cases) {

@@ -143,6 +143,18 @@ TEST_CASE("adaptive loop: less error than the same samples spread evenly, for th
   CHECK(adaptive < 0.8 * uniform);
 }
 
+TEST_CASE("adaptive loop: a regression drives it") {
+  const std::int64_t budget = 32 * Renderer::kPixels;
+  AdaptiveParams params = params_of(budget);
+  params.denoise.filter = AdaptiveOrderParams{};
+  params.intermediate = intermediate_adaptive_order();
+  Renderer renderer(10);
+  const double adaptive = renderer.relative_error(run(renderer, params).result);
+  Renderer other(15);
+  const Frame uniform = other(std::vector<std::uint32_t>(Renderer::kPixels, 32));
+  CHECK(adaptive < other.relative_error(denoise(uniform, params.denoise)));
+}
+
 TEST_CASE("adaptive loop: it stops when the estimated error meets the target") {
   Renderer renderer(4);
   AdaptiveParams params = params_of(64 * Renderer::kPixels);

@@ -227,6 +227,34 @@ TEST_CASE("denoise: the density is finite, has mean 1, and follows the noise") {
   CHECK(noisy > 20 * quiet);
 }
 
+TEST_CASE("denoise: the density of error reduction is the relative error less, the more samples there are") {
+  Scene scene(0.05);
+  for (int y = 0; y < Scene::kHeight; ++y) {
+    for (int x = 0; x < Scene::kWidth; ++x) scene.frame.at("sampleCount", x, y) = x < 32 ? 4.0F : 64.0F;
+  }
+  DenoiseParams params;
+  params.density.rule = DensityRule::kErrorReduction;
+  params.density.dimensions = 4.0F;
+  const DenoiseResult result = denoise(scene.frame.frame(), params);
+  double scale = 0;  // densities have mean 1
+  for (int y = 0; y < Scene::kHeight; ++y) {
+    for (int x = 0; x < Scene::kWidth; ++x) {
+      double error = 0;
+      double luminance = 0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        error += result.error[c].row(y)[x] / 3.0;
+        luminance += static_cast<double>(params.luminance_weights[c]) * result.colour[c].row(y)[x];
+      }
+      const double n = x < 32 ? 4.0 : 64.0;
+      const double expected = std::max(error, 0.0) * std::pow(n, -0.5) / (luminance * luminance + 0.001);
+      if (expected < 1e-6) continue;
+      if (scale == 0) scale = result.density.row(y)[x] / expected;
+      CHECK(result.density.row(y)[x] == Approx(scale * expected).epsilon(1e-3));
+    }
+  }
+  REQUIRE(scale > 0);
+}
+
 TEST_CASE("denoise: works in the caller's arena while other work waits there") {
   const Scene scene(0.1);
   DenoiseParams params;

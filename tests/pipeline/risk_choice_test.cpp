@@ -51,6 +51,39 @@ TEST_CASE("risk: what the frame has decides, and the report says so") {
   CHECK(has_warning(choice(without.frame(), Risk::kMonteCarlo).warnings, "count as 0"));
 }
 
+TEST_CASE("risk: the error by Taylor expansion stands in for the risk, and goes with no other") {
+  OwnedFrame frame(8, 8, kUsualFeatures);
+  DenoiseParams params;
+  AdaptiveOrderParams regression;
+  params.filter = regression;
+  CHECK(choose_risk(frame.frame(), params).name == "joint SURE");
+  regression.error = OrderError::kTaylor;
+  params.filter = regression;
+  CHECK(choose_risk(frame.frame(), params).name == "Taylor expansion");
+  const auto refusal = [&]() -> std::string {
+    try {
+      (void)choose_risk(frame.frame(), params);
+    } catch (const Error& error) {
+      CHECK(error.code() == ErrorCode::kInvalidArgument);
+      return error.what();
+    }
+    return "";
+  };
+  params.risk = Risk::kMonteCarlo;
+  CHECK(refusal().find("takes the place of the risk") != std::string::npos);
+  params.risk = Risk::kAuto;
+  params.density.rule = DensityRule::kAllSamples;
+  CHECK(refusal().find("the density of all samples") != std::string::npos);
+}
+
+TEST_CASE("risk: weights that do not depend on the colour need no covariance of its channels") {
+  OwnedFrame frame(8, 8, {}, false);
+  AdaptiveOrderParams regression;
+  CHECK(has_warning(choice(frame.frame(), Risk::kAuto, regression).warnings, "the colour channels"));
+  regression.range_sigmas.clear();
+  CHECK(choice(frame.frame(), Risk::kAuto, regression).warnings.empty());
+}
+
 TEST_CASE("risk: a part of the covariances is used, and what is missing is named") {
   OwnedFrame frame(8, 8, kUsualFeatures);
   frame.frame().features[1].colour_covariance.clear();
