@@ -211,7 +211,7 @@ HWY_INLINE void fill_mask_distances(FloatTag d, const PatchBlock& block, int fir
   for (int t = 0; t < count; ++t) {
     for (int y = 0; y < rows.rows; ++y) {
       for (int k = 0; k < block.width; k += static_cast<int>(hn::Lanes(d))) {
-        const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(t * kNlmBlockPixels) + kNlmBlockWidth * y + k;
+        const std::ptrdiff_t at = t * static_cast<std::ptrdiff_t>(kNlmBlockPixels) + kNlmBlockWidth * y + k;
         FloatVec distance = hn::Set(d, kNoNeighbour);
         if (first + t < rows.tap_count) {
           const FloatVec mask = hn::LoadU(d, rows.guides.mask + block.x + k + y * rows.pitch + rows.taps[first + t]);
