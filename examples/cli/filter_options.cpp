@@ -111,12 +111,21 @@ void declare(CLI::App& verb, FilterOptions& options) {
                   "NAME=VALUE: how strongly a feature guides; smaller is stronger, 0: not at all; may be repeated")
       ->delimiter(',')
       ->allow_extra_args(false);
-  verb.add_option("--order", options.order,
-                  "Of adaptive-order's polynomials: all fits of one order, or the best pixel by pixel (adaptive)")
+  verb.add_option(
+          "--order", options.order,
+          "Of adaptive-order's polynomials: all fits of one order, or the best for each neighbourhood (adaptive)")
       ->check(CLI::IsMember({"0", "1", "3", "adaptive"}));
   verb.add_option("--order-error", options.order_error,
                   "What adaptive-order's fits are judged by: SURE (risk), or fits of two orders more (taylor)")
       ->check(CLI::IsMember({"risk", "taylor"}));
+}
+
+bool has_intermediate_bank(const std::string& filter) {
+  return std::visit(
+      [](auto params) {
+        return requires { make_intermediate(params); };
+      },
+      make_filter(filter));
 }
 
 FilterSpec filter_spec(const FilterOptions& options) {

@@ -24,6 +24,9 @@ struct FilterOptions {
 /// Declares them; `options` must outlive the parsing.
 void declare(CLI::App& verb, FilterOptions& options);
 
+/// Whether a filter has a cheaper bank, for use between batches of samples.
+[[nodiscard]] bool has_intermediate_bank(const std::string& filter);
+
 /// @throws Error kInvalidArgument.
 [[nodiscard]] FilterSpec filter_spec(const FilterOptions& options);
 

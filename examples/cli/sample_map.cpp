@@ -34,6 +34,7 @@ constexpr const char* kFooter =
 
 struct SampleMapOptions {
   DenoiseOptions method;
+  std::string density = "all-samples";
   AllocationParams allocation;
 };
 
@@ -44,14 +45,21 @@ void declare(CLI::App& verb, SampleMapOptions& options) {
       ->check(CLI::NonNegativeNumber);
   verb.add_option("--min-samples", options.allocation.min_per_pixel, "Least samples of a pixel")->capture_default_str();
   verb.add_option("--max-samples", options.allocation.max_per_pixel, "Most samples of a pixel");
+  verb.add_option("--density", options.density,
+                  "What counts follow: least noise of all samples; the error that the next ones take away; or, of the "
+                  "next ones, error and variance")
+      ->check(CLI::IsMember({"all-samples", "error-reduction", "next-samples"}))
+      ->capture_default_str();
   verb.footer(kFooter);
 }
 
 DenoiseParams params_of(SampleMapOptions& options) {
   FilterOptions& filter = options.method.filter;
-  if (filter.bank.empty() && filter.name == CrossBilateralParams::kName) filter.bank = "intermediate";
+  if (filter.bank.empty() && has_intermediate_bank(filter.name)) filter.bank = "intermediate";
   DenoiseParams params = denoise_params(options.method);
-  params.density.rule = DensityRule::kAllSamples;
+  params.density.rule = options.density == "all-samples"       ? DensityRule::kAllSamples
+                        : options.density == "error-reduction" ? DensityRule::kErrorReduction
+                                                               : DensityRule::kNextSamples;
   return params;
 }
 
@@ -85,8 +93,10 @@ void run_sample_map(SampleMapOptions& options) {
   params.luminance_weights = input.luminance_weights();
 
   const DenoiseResult result = stein::denoise(frame, params);
+  const Plane so_far = samples_so_far(frame);
+  const bool is_of_all = params.density.rule == DensityRule::kAllSamples;
   const std::vector<std::uint32_t> counts =
-      allocate_samples(result.density.view(), options.allocation, samples_so_far(frame).view());
+      allocate_samples(result.density.view(), options.allocation, is_of_all ? so_far.view() : ConstPlaneView{});
   check_not_interrupted();
   const ConstPlaneView view(counts.data(), ScalarType::kUint32, frame.width, frame.height);
   exr::write_planes(options.method.output, {{"samples.V", view}}, {input.data_window()[0], input.data_window()[1]});

@@ -33,9 +33,9 @@ struct AdaptiveParams {
   /// up to a quarter: pixels whose variance came out low get fewer samples to correct it.
   double target_error = 0;
   FilterSpec intermediate = intermediate_cross_bilateral();  ///< what the batches are planned with
-  /// Of the result. The intermediate runs differ in their filter and in the rule of the density,
-  /// DensityRule::kAllSamples.
-  DenoiseParams denoise;
+  /// What the batches follow. kAllSamples: a batch fills up to it; the others: a batch is proportional to it.
+  DensityRule density = DensityRule::kAllSamples;
+  DenoiseParams denoise;  ///< of the result; the intermediate runs differ in their filter and in the density
 };
 
 struct AdaptiveResult {

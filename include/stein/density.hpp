@@ -18,7 +18,7 @@ enum class DensityRule : std::uint8_t {
   /// pixel's samples would leave in the result. Least noise of the whole result for a budget (docs/adaptive.md).
   kAllSamples,
   /// Of the next batch: by how much a sample lowers the estimated error of a local regression, n^(-4 / (d + 4)), over
-  /// the squared luminance (AOS: Yuan, Zheng, Zheng, Liu 2018, sec. 5).
+  /// the squared luminance (AOS: Yuan, Zheng, Zheng, Liu 2017, sec. 5).
   kErrorReduction,
 };
 

@@ -91,7 +91,7 @@ enum class OrderError : std::uint8_t {
   kTaylor,  ///< AOS Eq. 16: variance, and the bias that a fit of two orders more sees
 };
 
-/// Local polynomial regression on features, AOS (Yuan, Zheng, Zheng, Liu 2018) Eq. 6-16: one candidate per order and
+/// Local polynomial regression on features, AOS (Yuan, Zheng, Zheng, Liu 2017) Eq. 6-16: one candidate per order and
 /// range sigma.
 struct AdaptiveOrderParams {
   static constexpr std::string_view kName = "adaptive-order";

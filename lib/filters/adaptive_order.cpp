@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Local polynomial regression on features. AOS: Yuan, Zheng, Zheng, Liu, "Adaptive Rendering based on Adaptive Order
-// Selection", 2018.
+// Selection", 2017.
 //
 // Where this differs from the paper: docs/filters/adaptive_order.md.
 //
@@ -26,11 +26,18 @@
 namespace stein {
 namespace {
 
+constexpr float kLargestSquare = 1e37F;  // of a residual; what is added to it stays finite
 constexpr double kLog2E = std::numbers::log2e;
 
 NlmWindow window_of(const AdaptiveOrderParams& params) { return {params.window_radius, params.patch_radius}; }
 
 int tile_halo(const AdaptiveOrderParams& params) { return params.window_radius + std::max(params.patch_radius, 1); }
+
+// A mean has no slopes; the Taylor error of one is seen by a fit of order 2.
+FeatureGuides regressors(const AdaptiveOrderParams& params) {
+  const bool has_slopes = params.orders.back() > 0 || params.error == OrderError::kTaylor;
+  return has_slopes ? params.guides : FeatureGuides{{}, 0.0F, params.guides.min_feature_variance};
+}
 
 class AdaptiveOrder final : public PreparedFilter {
  public:
@@ -38,7 +45,7 @@ class AdaptiveOrder final : public PreparedFilter {
       : source_(context.source),
         divergence_(context.divergence),
         layout_(context.tile_width, context.tile_height, tile_halo(params)),
-        features_(context.source, params.guides, context.tile_width, context.tile_height, context.window_rows),
+        features_(context.source, regressors(params), context.tile_width, context.tile_height, context.window_rows),
         taps_(nlm_taps(window_of(params), layout_)) {
     set_taps(params);
     set_weights(params);
@@ -228,7 +235,10 @@ class AdaptiveOrder final : public PreparedFilter {
         for (int s = 0; s < candidates(); ++s) {
           const float* F = out.result(s, c, y) + target.x0;
           float* D = out.divergence(s, c, y) + target.x0;
-          for (int i = 0; i < n; ++i) D[i] = 0.5F * (D[i] - (F[i] - mean[i]) * (F[i] - mean[i]) + variance[i]);
+          for (int i = 0; i < n; ++i) {
+            const float square = (F[i] - mean[i]) * (F[i] - mean[i]);
+            D[i] = 0.5F * (D[i] - std::min(square, kLargestSquare) + variance[i]);
+          }
         }
       }
     }

@@ -52,8 +52,8 @@ void SmoothFeatures::prepare(const Rect& tile, FilterScratch& scratch) const {
     load(tile, first, count, planes);
     kernels::CrossNlmRows rows = rows_;
     rows.count = tile.width();
-    rows.scratch = scratch.lines.reserve(kernels::cross_nlm_scratch(rows.candidates) +
-                                         3 * static_cast<std::size_t>(layout_.pitch));
+    rows.scratch =
+        scratch.lines.reserve(kernels::cross_nlm_scratch(rows.candidates) + static_cast<std::size_t>(layout_.pitch));
     float* unused = rows.scratch + kernels::cross_nlm_scratch(rows.candidates);
     for (int y = 0; y < tile.height(); y += kernels::kNlmBlockRows) {
       rows.rows = std::min(kernels::kNlmBlockRows, tile.height() - y);

@@ -14,7 +14,7 @@
 
 namespace stein {
 
-/// AOS: Yuan, Zheng, Zheng, Liu, "Adaptive Rendering based on Adaptive Order Selection", 2018.
+/// AOS: Yuan, Zheng, Zheng, Liu, "Adaptive Rendering based on Adaptive Order Selection", 2017.
 class SmoothFeatures {
  public:
   static constexpr int kHalo = 7;  ///< of prepare(): the window and the patches

@@ -118,6 +118,28 @@ HWY_INLINE float* moments_of(FloatTag d, const LocalPolynomialRows& rows, const 
   return fit_of(d, rows, pixels, sigma, order) + kSolutionParts * most * static_cast<std::ptrdiff_t>(hn::Lanes(d));
 }
 
+// The features' part of Joint SURE Eq. 2: where the fit is read moves with the pixel's features, and so does the
+// pixel's row of X; the window's basis does not, and neither do the weights.
+HWY_INLINE FloatVec feature_term(FloatTag d, const LocalPolynomialRows& rows, const FitPixels& pixels, int c,
+                                 FloatVec own, int columns, const float* HWY_RESTRICT fit) {
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  const float* HWY_RESTRICT beta = fit + (1 + c) * columns * lanes;
+  const FloatVec away = hn::NegMulAdd(own, hn::Load(d, fit), hn::Set(d, 1.0F));  // 1 - l_c
+  const FloatVec rest = hn::Neg(hn::Mul(own, hn::Load(d, beta)));                // w_c (y_c - F)
+  FloatVec sum = hn::Zero(d);
+  for (int r = 0; r < pixels.dimensions - 2; ++r) {
+    FloatVec moved = hn::Zero(d);
+    for (int k = 0; k < rows.features; ++k) {
+      moved = hn::MulAdd(hn::Load(d, pixels.basis + (r * rows.features + k) * lanes),
+                         hn::LoadU(d, rows.feature_covariance[c][k] + pixels.x), moved);
+    }
+    const FloatVec slope =
+        hn::MulAdd(rest, hn::Load(d, fit + (3 + r) * lanes), hn::Mul(away, hn::Load(d, beta + (3 + r) * lanes)));
+    sum = hn::MulAdd(slope, moved, sum);
+  }
+  return sum;
+}
+
 }  // namespace stein::kernels::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// AOS: Yuan, Zheng, Zheng, Liu, "Adaptive Rendering based on Adaptive Order Selection", 2018.
+// AOS: Yuan, Zheng, Zheng, Liu, "Adaptive Rendering based on Adaptive Order Selection", 2017.
 // Joint SURE: Li, "Joint Stein's Unbiased Risk Estimation for Adaptive Sampling and Reconstruction", 2017.
 //
 // X, W, Y and beta are AOS's; X is centred at the pixel, so that its own row is e = (1, 0, ..., 0) and colours are
@@ -46,12 +46,13 @@ HWY_NOINLINE void solve_all(const LocalPolynomialRows& rows, const FitPixels& pi
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
   Factor factor;
   factor.columns = pixels.columns(fitted_order(rows));
+  factor.ridge = rows.ridge;
   factor.rows = scratch;
   factor.inverse = scratch + normal_equation_sums(kMaxColumns) * lanes;
   HWY_ALIGN float higher[kSolutionParts * kMaxColumns * kMaxLanes];
   for (int sigma = 0; sigma < rows.weights.candidates; ++sigma) {
     const float* sums = pixels.sums + sigma * sums_step(d, rows);
-    factorise(d, sums, rows.ridge, factor);
+    factorise(d, sums, factor);
     for (int o = 0; o < rows.orders; ++o) {
       const int columns = pixels.columns(rows.order[o]);
       float* fit = fit_of(d, rows, pixels, sigma, o);
@@ -61,9 +62,9 @@ HWY_NOINLINE void solve_all(const LocalPolynomialRows& rows, const FitPixels& pi
       if (!rows.is_taylor) continue;
       const int higher_columns = pixels.columns(rows.order[o] + 2);
       solve(d, factor, higher_columns, higher);
-      for (int c = 0; c < 3; ++c) {
-        hn::Store(taylor_bias(d, sums, factor, fit, columns, higher + (1 + c) * higher_columns * lanes, higher_columns),
-                  d, moments + c * lanes);
+      for (int c = 0; c < 3; ++c) {  // AOS Eq. 13, its first entry, is the difference of the two fits
+        const FloatVec low = hn::Load(d, fit + (1 + c) * columns * lanes);
+        hn::Store(hn::Sub(low, hn::Load(d, higher + (1 + c) * higher_columns * lanes)), d, moments + c * lanes);
       }
     }
   }
@@ -147,28 +148,6 @@ HWY_NOINLINE void add_group_to_moments(const LocalPolynomialRows& rows, const Fi
       }
     } while (--sigma >= 0 && weights_of(d, rows, sigma, tap, group.distances.distance + at, w));
   }
-}
-
-// The features' part of Joint SURE Eq. 2: where the fit is read moves with the pixel's features, and so does the
-// pixel's row of X; the window's basis does not, and neither do the weights.
-HWY_INLINE FloatVec feature_term(FloatTag d, const LocalPolynomialRows& rows, const FitPixels& pixels, int c,
-                                 FloatVec own, int columns, const float* HWY_RESTRICT fit) {
-  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
-  const float* HWY_RESTRICT beta = fit + (1 + c) * columns * lanes;
-  const FloatVec away = hn::NegMulAdd(own, hn::Load(d, fit), hn::Set(d, 1.0F));  // 1 - l_c
-  const FloatVec rest = hn::Neg(hn::Mul(own, hn::Load(d, beta)));                // w_c (y_c - F)
-  FloatVec sum = hn::Zero(d);
-  for (int r = 0; r < pixels.dimensions - 2; ++r) {
-    FloatVec moved = hn::Zero(d);
-    for (int k = 0; k < rows.features; ++k) {
-      moved = hn::MulAdd(hn::Load(d, pixels.basis + (r * rows.features + k) * lanes),
-                         hn::LoadU(d, rows.feature_covariance[c][k] + pixels.x), moved);
-    }
-    const FloatVec slope =
-        hn::MulAdd(rest, hn::Load(d, fit + (3 + r) * lanes), hn::Mul(away, hn::Load(d, beta + (3 + r) * lanes)));
-    sum = hn::MulAdd(slope, moved, sum);
-  }
-  return sum;
 }
 
 HWY_INLINE void finish(FloatTag d, const LocalPolynomialRows& rows, const FitPixels& pixels, int y, std::ptrdiff_t x) {

@@ -76,12 +76,13 @@ HWY_INLINE void add_normal_equations(FloatTag d, const TapBatch& batch, const Fl
 // orders.
 struct Factor {
   int columns = 0;
+  float ridge = 0;
   float* HWY_RESTRICT rows;     // as the normal equations: D L^T, and what is left of their right-hand sides
   float* HWY_RESTRICT inverse;  // of D; 0: the column depends on those before it
   FloatVec unit[kMaxColumns];   // of e
 };
 
-HWY_INLINE void factorise(FloatTag d, const float* HWY_RESTRICT sums, float ridge, Factor& factor) {
+HWY_INLINE void factorise(FloatTag d, const float* HWY_RESTRICT sums, Factor& factor) {
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
   const int n = factor.columns;
   const FloatVec zero = hn::Zero(d);
@@ -89,7 +90,7 @@ HWY_INLINE void factorise(FloatTag d, const float* HWY_RESTRICT sums, float ridg
   for (int a = 0; a < n; ++a) factor.unit[a] = hn::Set(d, a == 0 ? 1.0F : 0.0F);
   for (int k = 0; k < n; ++k) {
     float* HWY_RESTRICT row = factor.rows + row_of(n, k) * lanes;
-    const FloatVec own_ridge = hn::Set(d, k == 0 ? 0.0F : ridge);
+    const FloatVec own_ridge = hn::Set(d, k == 0 ? 0.0F : factor.ridge);
     const FloatVec diagonal = hn::Add(hn::Load(d, sums + row_of(n, k) * lanes), own_ridge);
     const FloatVec pivot = hn::Add(hn::Load(d, row), own_ridge);
     const auto is_regular = hn::Gt(pivot, hn::Max(hn::Mul(diagonal, hn::Set(d, kSingular)), hn::Set(d, 1e-30F)));
@@ -123,23 +124,6 @@ HWY_INLINE void solve(FloatTag d, const Factor& factor, int columns, float* HWY_
       hn::Store(hn::Mul(rest, hn::Load(d, factor.inverse + k * lanes)), d, solution + k * lanes);
     }
   }
-}
-
-// AOS Eq. 13, its first entry: g^T X^T W xi, with the higher powers' coefficients of the fit of two orders more.
-HWY_INLINE FloatVec taylor_bias(FloatTag d, const float* HWY_RESTRICT sums, const Factor& factor,
-                                const float* HWY_RESTRICT g, int columns, const float* HWY_RESTRICT higher,
-                                int higher_columns) {
-  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
-  FloatVec bias = hn::Zero(d);
-  for (int a = 0; a < columns; ++a) {
-    const float* HWY_RESTRICT row = sums + row_of(factor.columns, a) * lanes;
-    FloatVec sum = hn::Zero(d);
-    for (int b = columns; b < higher_columns; ++b) {
-      sum = hn::MulAdd(hn::Load(d, row + (b - a) * lanes), hn::Load(d, higher + b * lanes), sum);
-    }
-    bias = hn::MulAdd(hn::Load(d, g + a * lanes), sum, bias);
-  }
-  return bias;
 }
 
 }  // namespace stein::kernels::HWY_NAMESPACE

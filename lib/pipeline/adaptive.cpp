@@ -68,7 +68,8 @@ AdaptiveResult denoise_adaptively(int width, int height, const RenderSamples& re
   const std::int64_t pixels = std::int64_t{width} * height;
   DenoiseParams intermediate = params.denoise;
   intermediate.filter = params.intermediate;
-  intermediate.density.rule = DensityRule::kAllSamples;
+  intermediate.density.rule = params.density;
+  const bool is_of_all = params.density == DensityRule::kAllSamples;
   LoopProgress progress(params.denoise.execution.progress, params.iterations + 1);
 
   AdaptiveResult out;
@@ -86,7 +87,8 @@ AdaptiveResult denoise_adaptively(int width, int height, const RenderSamples& re
       out.steps.push_back({out.samples, error});
       if (params.target_error == 0 || error > params.target_error) {
         batch = std::max(left / batches_left, std::int64_t{1});
-        counts = allocate_samples(guess.density.view(), {.budget = batch}, frame.sample_count);
+        counts = allocate_samples(guess.density.view(), {.budget = batch},
+                                  is_of_all ? frame.sample_count : ConstPlaneView{});
         continue;
       }
     }

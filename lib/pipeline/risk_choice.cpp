@@ -18,6 +18,13 @@ bool compares_colours(const Params& params) {
   return false;
 }
 
+// Whether features take part at all.
+template <class Params>
+bool reads_features(const Params& params) {
+  if constexpr (requires { params.orders; }) return params.orders.back() > 0;
+  return true;
+}
+
 // What the filter is guided by and is noisy, by whether its covariance with the colour is known.
 struct NoisyGuides {
   std::vector<std::string> known;
@@ -30,6 +37,7 @@ NoisyGuides noisy_guides(const Frame& frame, const FilterSpec& spec) {
       [&](const auto& params) {
         if constexpr (requires { params.guides; }) {
           for (const Feature& feature : frame.features) {
+            if (!reads_features(params)) break;
             if (params.guides.sigma_of(feature.name) <= 0.0F || feature.variance.empty()) continue;
             (feature.colour_covariance.empty() ? noisy.unknown : noisy.known).push_back(feature.name);
           }
@@ -110,7 +118,7 @@ RiskChoice taylor(const DenoiseParams& params) {
   if (params.density.rule == DensityRule::kAllSamples) {
     throw Error(ErrorCode::kInvalidArgument,
                 "adaptive-order: the density of all samples needs the divergence that the error by Taylor expansion "
-                "does not give; choose OrderError::kRisk, or another density");
+                "does not give; choose OrderError::kRisk, or DensityRule::kErrorReduction");
   }
   RiskChoice choice;
   choice.method = Risk::kPlain;

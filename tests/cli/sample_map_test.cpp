@@ -51,6 +51,23 @@ TEST_CASE("sample-map: the budget goes, exactly and within bounds, where the err
   CHECK(folder.names() == std::vector<std::string>{"counts.exr", "pass1.exr"});
 }
 
+TEST_CASE("sample-map: what counts follow can be chosen, for a regression too") {
+  const TemporaryFolder folder;
+  write(folder / "pass1.exr", half_noisy());
+  const std::string counts = folder / "counts.exr";
+  std::vector<std::vector<float>> all;
+  for (const char* density : {"all-samples", "error-reduction", "next-samples"}) {
+    const Outcome result = run_stein({"sample-map", folder / "pass1.exr", "-o", counts, "--budget", "20000", "--filter",
+                                      "adaptive-order", "--density", density});
+    INFO(result.err);
+    REQUIRE(result.exit_code == 0);
+    all.push_back(read_channel(counts, "samples.V"));
+    CHECK(sum(all.back()) == 20000);
+  }
+  CHECK(all[0] != all[1]);
+  CHECK(all[1] != all[2]);
+}
+
 TEST_CASE("sample-map: counts that cannot be used are none") {
   const TemporaryFolder folder;
   Channels image = noisy_image(kWidth, kHeight);

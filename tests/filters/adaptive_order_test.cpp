@@ -137,6 +137,13 @@ TEST_CASE("adaptive-order: equals the reference for windows, patches and spatial
   }
 }
 
+TEST_CASE("adaptive-order: equals the reference with its own parameters") {
+  OwnedFrame frame(37, 29, kUsualFeatures);
+  fill_random(frame, 21);
+  check_agreement(AdaptiveOrderParams{}, frame.frame(), {Divergence::kPlain, 83, 3});
+  check_agreement(intermediate_adaptive_order(), frame.frame(), {Divergence::kPlain, 83, 3});
+}
+
 TEST_CASE("adaptive-order: equals the reference for any set of features") {
   const std::vector<std::vector<FeatureShape>> sets = {
       {}, {{"depth", 1}}, {{"a", 1}, {"b", 2}, {"c", 3}, {"d", 4}, {"e", 2}}};

@@ -143,16 +143,28 @@ TEST_CASE("adaptive loop: less error than the same samples spread evenly, for th
   CHECK(adaptive < 0.8 * uniform);
 }
 
-TEST_CASE("adaptive loop: a regression drives it") {
+TEST_CASE("adaptive loop: a regression drives it, by either density") {
   const std::int64_t budget = 32 * Renderer::kPixels;
   AdaptiveParams params = params_of(budget);
   params.denoise.filter = AdaptiveOrderParams{};
   params.intermediate = intermediate_adaptive_order();
-  Renderer renderer(10);
-  const double adaptive = renderer.relative_error(run(renderer, params).result);
-  Renderer other(15);
-  const Frame uniform = other(std::vector<std::uint32_t>(Renderer::kPixels, 32));
-  CHECK(adaptive < other.relative_error(denoise(uniform, params.denoise)));
+  double adaptive = 0;
+  double reduction = 0;
+  double uniform = 0;
+  for (const std::uint64_t seed : {10U, 20U}) {
+    params.density = DensityRule::kAllSamples;
+    Renderer renderer(seed);
+    adaptive += renderer.relative_error(run(renderer, params).result);
+    params.density = DensityRule::kErrorReduction;
+    Renderer by_error(seed);
+    const AdaptiveResult result = run(by_error, params);
+    CHECK(result.samples == budget);
+    reduction += by_error.relative_error(result.result);
+    Renderer other(seed + 5);
+    uniform += other.relative_error(denoise(other(std::vector<std::uint32_t>(Renderer::kPixels, 32)), params.denoise));
+  }
+  CHECK(adaptive < 0.9 * uniform);
+  CHECK(reduction != adaptive);
 }
 
 TEST_CASE("adaptive loop: it stops when the estimated error meets the target") {

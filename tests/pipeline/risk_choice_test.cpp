@@ -82,6 +82,10 @@ TEST_CASE("risk: weights that do not depend on the colour need no covariance of 
   CHECK(has_warning(choice(frame.frame(), Risk::kAuto, regression).warnings, "the colour channels"));
   regression.range_sigmas.clear();
   CHECK(choice(frame.frame(), Risk::kAuto, regression).warnings.empty());
+  OwnedFrame with_features(8, 8, kUsualFeatures, false);
+  CHECK(has_warning(choice(with_features.frame(), Risk::kAuto, regression).warnings, "albedo"));
+  regression.orders = {0};
+  CHECK(choice(with_features.frame(), Risk::kAuto, regression).warnings.empty());  // a mean reads no features
 }
 
 TEST_CASE("risk: a part of the covariances is used, and what is missing is named") {
