@@ -25,8 +25,8 @@ enum class DensityRule : std::uint8_t {
 struct DensityParams {
   DensityRule rule = DensityRule::kNextSamples;
   float epsilon = 0.001F;  ///< Eq. 9, added to the squared luminance; > 0. Not read for kAllSamples
-  float dimensions =
-      10.0F;  ///< d, what the regression depends on, position included; [1..100]. Read for kErrorReduction
+  /// d, what the regression depends on, position included; [1..100]. Read for kErrorReduction
+  float dimensions = 10.0F;
 };
 
 struct AllocationParams {
