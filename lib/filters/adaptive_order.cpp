@@ -18,6 +18,7 @@
 
 #include "filters/blurred_rows.hpp"
 #include "filters/filter.hpp"
+#include "filters/nlm_block.hpp"
 #include "filters/nlm_taps.hpp"
 #include "filters/smooth_features.hpp"
 #include "kernels/local_polynomial.hpp"
@@ -83,7 +84,7 @@ class AdaptiveOrder final : public PreparedFilter {
   static constexpr int kBlurred = kColour + 3;
   static constexpr int kVariance = kBlurred + kBlurredPlanes;
   static constexpr int kFeatures = kVariance + 3;  // means and variances in turn
-  static constexpr int kOwnColour = 6;             // planes of the pixels' own covariances, the features' behind them
+  static constexpr std::size_t kLines = 2;         // of scratch, of a tile's pitch
 
   void set_taps(const AdaptiveOrderParams& params) {
     // One pixel's step such that the window has variance 1.
@@ -104,23 +105,14 @@ class AdaptiveOrder final : public PreparedFilter {
 
   void set_weights(const AdaptiveOrderParams& params) {
     kernels::CrossNlmRows& weights = rows_.weights;
-    weights.taps = taps_.data();
-    weights.tap_count = (2 * params.window_radius + 1) * (2 * params.window_radius + 1);
-    weights.near_radius = near_radius(window_of(params));
-    weights.pitch = layout_.pitch;
-    weights.patch_radius = params.patch_radius;
-    weights.window_radius = params.window_radius;
+    set_window(window_of(params), taps_, layout_, weights);
     weights.blur = params.patch_blur;
     weights.is_normalised = true;
     rows_.has_colour_weights = !params.range_sigmas.empty();
-    weights.candidates = rows_.has_colour_weights ? static_cast<int>(params.range_sigmas.size()) : 1;
+    weights.candidates = 1;
     weights.exponent[0] = 1.0F;
     weights.slope[0] = 0.0F;
-    for (std::size_t s = 0; s < params.range_sigmas.size(); ++s) {
-      const double sigma = params.range_sigmas[s];
-      weights.exponent[s] = static_cast<float>(kLog2E / (2.0 * sigma * sigma));
-      weights.slope[s] = static_cast<float>(1.0 / (sigma * sigma));
-    }
+    if (rows_.has_colour_weights) set_range_sigmas(params.range_sigmas, 1.0, weights);
   }
 
   void fit(const Rect& tile, FilterScratch& scratch, const CandidateRows& out) const {
@@ -129,18 +121,24 @@ class AdaptiveOrder final : public PreparedFilter {
     kernels::LocalPolynomialRows rows = rows_;
     rows.weights.count = tile.width();
     const int columns = kernels::most_columns(rows.order[rows.orders - 1], rows.is_taylor);
-    const std::size_t own_floats = own_planes() * plane_floats();
-    float* own = scratch.lines.reserve(
-        own_floats + kernels::local_polynomial_scratch(rows.weights.candidates, columns, rows.orders, rows.features));
-    rows.scratch = own + own_floats;
+    const OwnCovariances own(source_, divergence_, layout_, rows.has_feature_covariance ? rows.features : 0);
+    const auto pitch = static_cast<std::size_t>(layout_.pitch);
+    float* own_memory = scratch.lines.reserve(
+        own.floats() + kLines * pitch +
+        kernels::local_polynomial_scratch(rows.weights.candidates, columns, rows.orders, rows.features));
+    float* lines = own_memory + own.floats();
+    rows.scratch = lines + kLines * pitch;
     for (int y = 0; y < tile.height(); y += kernels::kNlmBlockRows) {
       rows.weights.rows = std::min(kernels::kNlmBlockRows, tile.height() - y);
       const Rect target{tile.x0, tile.y0 + y, tile.x1, tile.y0 + y + rows.weights.rows};
       set_inputs(planes, y, rows);
-      load_own(target, own, rows);
-      set_outputs(target, out, rows);
+      own.load(target, own_memory, rows.weights.colour_covariance, rows.feature_covariance,
+               [&](int image_y, float* const* to) {
+                 features_.covariance_rows(image_y, target.x0, target.width(), lines, to);
+               });
+      set_outputs(target, out, candidates(), rows.weights);
       kernels::local_polynomial_rows(rows);
-      if (rows.is_taylor) give_error(target, out);
+      if (rows.is_taylor) give_error(target, lines, out);
     }
   }
 
@@ -177,58 +175,11 @@ class AdaptiveOrder final : public PreparedFilter {
     }
   }
 
-  [[nodiscard]] std::size_t own_planes() const {
-    return kOwnColour + (rows_.has_feature_covariance ? 3 * static_cast<std::size_t>(rows_.features) : 0);
-  }
-  [[nodiscard]] std::size_t plane_floats() const {  // one line more: planes do not share cache sets
-    return static_cast<std::size_t>(layout_.pitch) * kernels::kNlmBlockRows + kernels::kMaxLanes;
-  }
-
-  void load_own(const Rect& target, float* first, kernels::LocalPolynomialRows& rows) const {
-    const auto features = static_cast<std::size_t>(rows_.features);
-    for (std::size_t k = 0; k < own_planes(); ++k) {
-      const float*& plane = k < kOwnColour
-                                ? rows.weights.colour_covariance[k]
-                                : rows.feature_covariance[(k - kOwnColour) / features][(k - kOwnColour) % features];
-      plane = first + k * plane_floats();
-    }
-    constexpr std::size_t kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
-    const int n = target.width();
-    const int tail = (kernels::kMaxLanes - n % kernels::kMaxLanes) % kernels::kMaxLanes;
-    for (int y = 0; y < target.height(); ++y) {
-      const int image_y = target.y0 + y;
-      const auto row = [&](std::size_t k) { return first + k * plane_floats() + y * layout_.pitch; };
-      for (std::size_t k = 0; k < 6; ++k) {
-        if (k < 3 || divergence_ == Divergence::kJoint) {
-          source_.colour_covariance_row(kPairs[k][0], kPairs[k][1], image_y, target.x0, n, row(k));
-        } else {
-          std::fill_n(row(k), n, 0.0F);
-        }
-      }
-      float* feature_rows[3 * kernels::kMaxRegressionFeatures];
-      for (std::size_t k = kOwnColour; k < own_planes(); ++k) feature_rows[k - kOwnColour] = row(k);
-      if (rows.has_feature_covariance) features_.covariance_rows(image_y, target.x0, n, feature_rows);
-      for (std::size_t k = 0; k < own_planes(); ++k) std::fill_n(row(k) + n, tail, 0.0F);
-    }
-  }
-
-  void set_outputs(const Rect& target, const CandidateRows& out, kernels::LocalPolynomialRows& rows) const {
-    for (int y = 0; y < target.height(); ++y) {
-      for (int s = 0; s < candidates(); ++s) {
-        for (int c = 0; c < 3; ++c) {
-          rows.weights.result[y][s][c] = out.result(s, c, target.y0 + y) + target.x0;
-          rows.weights.divergence[y][s][c] = out.divergence(s, c, target.y0 + y) + target.x0;
-        }
-      }
-    }
-  }
-
   // Turns an error into the D whose risk (F - y)^2 - V + 2 D it is.
-  void give_error(const Rect& target, const CandidateRows& out) const {
+  void give_error(const Rect& target, float* lines, const CandidateRows& out) const {
     const int n = target.width();
-    std::vector<float> input(2 * static_cast<std::size_t>(n));
-    float* mean = input.data();
-    float* variance = mean + n;
+    float* mean = lines;
+    float* variance = lines + layout_.pitch;
     for (int y = target.y0; y < target.y1; ++y) {
       for (int c = 0; c < 3; ++c) {
         source_.input_row(static_cast<std::size_t>(c), y, target.x0, n, mean, variance);

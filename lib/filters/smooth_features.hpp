@@ -31,9 +31,9 @@ class SmoothFeatures {
   [[nodiscard]] const float* variance(int channel, int y) const noexcept { return ring_.row(2 * channel + 1, y); }
 
   /// Covariances of the means of colour channel c and the smoothed channel k, pixel by pixel, to
-  /// rows[c * channels() + k].
+  /// rows[c * channels() + k]. `line`: scratch of `count` floats.
   [[nodiscard]] bool has_covariance() const noexcept;
-  void covariance_rows(int y, int x, int count, float* const* rows) const;
+  void covariance_rows(int y, int x, int count, float* line, float* const* rows) const;
 
  private:
   struct Channel {
@@ -41,9 +41,19 @@ class SmoothFeatures {
     std::size_t k = 0;  // of the feature's
   };
   static constexpr std::size_t kTogether = 3;  // channels of a feature that share their weights
+  // Some of them, a tile, and lines of scratch of its pitch.
+  struct Work {
+    std::size_t first = 0;
+    std::size_t count = 0;
+    const Rect& tile;
+    exec::TilePlanes& planes;
+    float* lines;
+  };
 
-  void load(const Rect& tile, std::size_t first, std::size_t count, exec::TilePlanes& planes) const;
-  void finish(const Rect& tile, std::size_t first, std::size_t count) const;
+  [[nodiscard]] std::size_t together_from(std::size_t first) const;
+  void load(const Work& work) const;
+  void set_block(const Work& work, int y, kernels::CrossNlmRows& rows) const;
+  void finish(const Work& work) const;
 
   const Source& source_;
   std::vector<Channel> channels_;

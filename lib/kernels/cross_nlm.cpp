@@ -5,13 +5,13 @@
 #include "kernels/cross_nlm.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/cross_nlm.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "kernels/patch_block-inl.hpp"
 #include "kernels/patch_distance-inl.hpp"
 #include "kernels/weights-inl.hpp"
 
@@ -39,28 +39,8 @@ struct Batch {
   FloatVec patch_distance[kTaps];
   FloatVec colour[3][kTaps];       // x_j: one copy, for reads at any address cross cache lines
   FloatVec difference[3][kTaps];   // x_i - x_j
-  FloatVec patch_slope[3][kTaps];  // over 1 / sigma_r^2
+  FloatVec patch_slope[3][kTaps];  // contracted, over 1 / sigma_r^2
 };
-
-// The patches' slopes contracted with the pixel's covariances: SBF Eq. 14, second and third term.
-template <int kTaps>
-HWY_INLINE void patch_slopes(FloatTag d, const CrossNlmRows& rows, const BatchSite& site, Batch<kTaps>& batch) {
-  FloatVec z[3][kTaps];
-  for (int c = 0; c < 3; ++c) {
-    for (int t = 0; t < kTaps; ++t) {
-      z[c][t] = hn::Load(d, site.distances.slope[c] + t * static_cast<std::ptrdiff_t>(kNlmBlockPixels));
-    }
-  }
-  constexpr int kEntry[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
-  for (int c = 0; c < 3; ++c) {
-    const FloatVec v0 = hn::LoadU(d, rows.colour_covariance[kEntry[c][0]] + site.x);
-    const FloatVec v1 = hn::LoadU(d, rows.colour_covariance[kEntry[c][1]] + site.x);
-    const FloatVec v2 = hn::LoadU(d, rows.colour_covariance[kEntry[c][2]] + site.x);
-    for (int t = 0; t < kTaps; ++t) {
-      batch.patch_slope[c][t] = hn::MulAdd(v2, z[2][t], hn::MulAdd(v1, z[1][t], hn::Mul(v0, z[0][t])));
-    }
-  }
-}
 
 HWY_INLINE void add_to(FloatTag d, float* HWY_RESTRICT sum, FloatVec value) {
   hn::Store(hn::Add(hn::Load(d, sum), value), d, sum);
@@ -125,7 +105,7 @@ HWY_INLINE void add_batch(FloatTag d, const CrossNlmRows& rows, const BatchSite&
       batch.difference[c][t] = hn::Sub(hn::LoadU(d, rows.colour[c] + site.x), batch.colour[c][t]);
     }
   }
-  if constexpr (kSlopes != Slopes::kNone) patch_slopes(d, rows, site, batch);
+  if constexpr (kSlopes != Slopes::kNone) contracted_slopes(d, rows, site.x, site.distances.slope, batch.patch_slope);
   const std::ptrdiff_t sums_step = kNlmSums * static_cast<std::ptrdiff_t>(hn::Lanes(d));
   for (int s = rows.candidates - 1; s >= 0; --s) {
     if (!add_candidate<kSlopes>(d, rows, s, batch, site.sums + s * sums_step)) break;
@@ -143,12 +123,6 @@ HWY_NOINLINE void add_group_of_taps(const CrossNlmRows& rows, BatchSite site, in
     site.distances.distance += kStep;
     for (auto& slope : site.distances.slope) slope += kStep;
   }
-}
-
-HWY_INLINE bool any_covariance(FloatTag d, const float* const* first, int count, std::ptrdiff_t x) {
-  FloatVec any = hn::Zero(d);
-  for (int k = 0; k < count; ++k) any = hn::Or(any, hn::LoadU(d, first[k] + x));
-  return !hn::AllTrue(d, hn::Eq(any, hn::Zero(d)));
 }
 
 HWY_INLINE Slopes slopes_at(FloatTag d, const CrossNlmRows& rows, std::ptrdiff_t x) {
@@ -196,16 +170,11 @@ template <bool kUsual>
 HWY_INLINE void run_block(const CrossNlmRows& rows, std::ptrdiff_t x, int width) {
   const FloatTag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  float* next = rows.scratch;
-  const auto take = [&](std::size_t floats) { return std::exchange(next, next + floats); };
-  constexpr std::size_t kGroup = kNlmTapGroup * kNlmBlockPixels;
-  const TapDistances distances{take(kGroup), {take(kGroup), take(kGroup), take(kGroup)}};
-  const auto field = [&] { return take(kNlmPatchFloats); };
-  PatchBlock block{
-      rows,  x,    width,
-      false, true, {field(), field(), {field(), field(), field()}, field(), field(), {field(), field(), field()}}};
+  Scratch scratch{rows.scratch};
+  const TapDistances distances = take_distances(scratch);
+  PatchBlock block{rows, x, width, false, true, take_fields(scratch)};
   block.is_masked = has_hole(d, block);
-  float* sums = next;
+  float* sums = scratch.next;
   const std::ptrdiff_t vectors = width / lanes;
   const std::ptrdiff_t sums_step = static_cast<std::ptrdiff_t>(rows.candidates) * kNlmSums * lanes;
   std::fill_n(sums, static_cast<std::size_t>(sums_step * vectors * rows.rows), 0.0F);

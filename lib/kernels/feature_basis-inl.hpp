@@ -68,18 +68,23 @@ HWY_INLINE void decompose(FloatTag d, EigenSystem& system, int n) {
   }
 }
 
-// Covariance of the window's features over the square roots of their noise, `scale` being one over those roots.
-HWY_INLINE void whitened_covariance(FloatTag d, const LocalPolynomialRows& rows, std::ptrdiff_t x, EigenSystem& system,
-                                    FloatVec (&scale)[kMaxRegressionFeatures]) {
-  const int n = rows.features;
+// Sums over a window, of features less the pixel's own.
+struct WindowSums {
+  FloatVec count;
   FloatVec first[kMaxRegressionFeatures];
   FloatVec noise[kMaxRegressionFeatures];
+};
+
+// The sums of products go to the upper triangle of `second`.
+HWY_INLINE void sum_window(FloatTag d, const LocalPolynomialRows& rows, std::ptrdiff_t x, WindowSums& sums,
+                           FloatVec (&second)[kMaxRegressionFeatures][kMaxRegressionFeatures]) {
+  const int n = rows.features;
   FloatVec own[kMaxRegressionFeatures];
-  FloatVec count = hn::Zero(d);
+  sums.count = hn::Zero(d);
   for (int i = 0; i < n; ++i) {
     own[i] = hn::LoadU(d, rows.feature[i] + x);
-    first[i] = noise[i] = hn::Zero(d);
-    for (int j = i; j < n; ++j) system.matrix[i][j] = hn::Zero(d);
+    sums.first[i] = sums.noise[i] = hn::Zero(d);
+    for (int j = i; j < n; ++j) second[i][j] = hn::Zero(d);
   }
   for (int first_tap = 0; first_tap < rows.weights.tap_count; first_tap += kTapBatch) {
     FloatVec mask[kTapBatch];
@@ -89,32 +94,41 @@ HWY_INLINE void whitened_covariance(FloatTag d, const LocalPolynomialRows& rows,
       at[t] = x + rows.weights.taps[first_tap + t];
       const bool is_tap = first_tap + t < rows.weights.tap_count;
       mask[t] = is_tap ? hn::LoadU(d, rows.weights.guides.mask + at[t]) : hn::Zero(d);
-      count = hn::Add(count, mask[t]);
+      sums.count = hn::Add(sums.count, mask[t]);
     }
     for (int i = 0; i < n; ++i) {
       for (int t = 0; t < kTapBatch; ++t) {
         e[i][t] = hn::Mul(mask[t], hn::Sub(hn::LoadU(d, rows.feature[i] + at[t]), own[i]));  // mask^2 = mask
-        first[i] = hn::Add(first[i], e[i][t]);
-        noise[i] = hn::MulAdd(mask[t], hn::LoadU(d, rows.feature_noise[i] + at[t]), noise[i]);
+        sums.first[i] = hn::Add(sums.first[i], e[i][t]);
+        sums.noise[i] = hn::MulAdd(mask[t], hn::LoadU(d, rows.feature_noise[i] + at[t]), sums.noise[i]);
       }
     }
     for (int i = 0; i < n; ++i) {
       for (int j = i; j < n; ++j) {
-        FloatVec sum = system.matrix[i][j];
+        FloatVec sum = second[i][j];
         for (int t = 0; t < kTapBatch; ++t) sum = hn::MulAdd(e[i][t], e[j][t], sum);
-        system.matrix[i][j] = sum;
+        second[i][j] = sum;
       }
     }
   }
-  const FloatVec share = hn::Div(hn::Set(d, 1.0F), hn::Max(count, hn::Set(d, 1.0F)));
+}
+
+// Covariance of the window's features over the square roots of their noise, `scale` being one over those roots.
+HWY_INLINE void whitened_covariance(FloatTag d, const LocalPolynomialRows& rows, std::ptrdiff_t x, EigenSystem& system,
+                                    FloatVec (&scale)[kMaxRegressionFeatures]) {
+  const int n = rows.features;
+  WindowSums sums;
+  sum_window(d, rows, x, sums, system.matrix);
+  const FloatVec share = hn::Div(hn::Set(d, 1.0F), hn::Max(sums.count, hn::Set(d, 1.0F)));
+  FloatVec mean[kMaxRegressionFeatures];
   for (int i = 0; i < n; ++i) {
-    first[i] = hn::Mul(first[i], share);
-    const FloatVec variance = hn::MulAdd(noise[i], share, hn::Set(d, kLeastFeatureVariance));
+    mean[i] = hn::Mul(sums.first[i], share);
+    const FloatVec variance = hn::MulAdd(sums.noise[i], share, hn::Set(d, kLeastFeatureVariance));
     scale[i] = hn::Div(hn::Set(d, 1.0F), hn::Sqrt(variance));
   }
   for (int i = 0; i < n; ++i) {
     for (int j = i; j < n; ++j) {
-      const FloatVec covariance = hn::NegMulAdd(first[i], first[j], hn::Mul(system.matrix[i][j], share));
+      const FloatVec covariance = hn::NegMulAdd(mean[i], mean[j], hn::Mul(system.matrix[i][j], share));
       system.matrix[i][j] = system.matrix[j][i] = hn::Mul(covariance, hn::Mul(scale[i], scale[j]));
     }
   }

@@ -8,7 +8,6 @@
 #include "kernels/local_polynomial.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/local_polynomial.cpp"
@@ -18,6 +17,7 @@
 #include "kernels/feature_basis-inl.hpp"
 #include "kernels/fit_pixels-inl.hpp"
 #include "kernels/normal_equations-inl.hpp"
+#include "kernels/patch_block-inl.hpp"
 #include "kernels/patch_distance-inl.hpp"
 #include "kernels/weights-inl.hpp"
 
@@ -66,23 +66,6 @@ HWY_NOINLINE void solve_all(const LocalPolynomialRows& rows, const FitPixels& pi
         const FloatVec low = hn::Load(d, fit + (1 + c) * columns * lanes);
         hn::Store(hn::Sub(low, hn::Load(d, higher + (1 + c) * higher_columns * lanes)), d, moments + c * lanes);
       }
-    }
-  }
-}
-
-// Half the derivative of the patches' distances, contracted with the pixel's covariances.
-HWY_INLINE void contracted_slopes(FloatTag d, const LocalPolynomialRows& rows, const FitPixels& pixels,
-                                  const float* const (&slope)[3], FloatVec (&out)[3][kTapBatch]) {
-  constexpr int kEntry[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
-  for (int c = 0; c < 3; ++c) {
-    FloatVec v[3];
-    for (int k = 0; k < 3; ++k) v[k] = hn::LoadU(d, rows.weights.colour_covariance[kEntry[c][k]] + pixels.x);
-    for (int t = 0; t < kTapBatch; ++t) {
-      const std::ptrdiff_t at = t * static_cast<std::ptrdiff_t>(kNlmBlockPixels);
-      const FloatVec z0 = hn::Load(d, slope[0] + at);
-      const FloatVec z1 = hn::Load(d, slope[1] + at);
-      const FloatVec z2 = hn::Load(d, slope[2] + at);
-      out[c][t] = hn::MulAdd(v[2], z2, hn::MulAdd(v[1], z1, hn::Mul(v[0], z0)));
     }
   }
 }
@@ -139,7 +122,8 @@ HWY_NOINLINE void add_group_to_moments(const LocalPolynomialRows& rows, const Fi
       }
     } else {
       const TapDistances& from = group.distances;
-      contracted_slopes(d, rows, pixels, {from.slope[0] + at, from.slope[1] + at, from.slope[2] + at}, factor);
+      contracted_slopes(d, rows.weights, pixels.x, {from.slope[0] + at, from.slope[1] + at, from.slope[2] + at},
+                        factor);
     }
     do {
       for (int o = 0; o < rows.orders; ++o) {
@@ -228,56 +212,49 @@ HWY_INLINE void for_each_group(FloatTag d, const LocalPolynomialRows& rows, cons
   }
 }
 
-HWY_INLINE bool has_noise(FloatTag d, const LocalPolynomialRows& rows, std::ptrdiff_t x) {
-  FloatVec any = hn::Zero(d);
-  for (const float* plane : rows.weights.colour_covariance) any = hn::Or(any, hn::LoadU(d, plane + x));
-  return !hn::AllTrue(d, hn::Eq(any, hn::Zero(d)));
+// Lays out the block's pixels, vector by vector, and finds their directions; returns the number of vectors.
+HWY_INLINE int set_pixels(FloatTag d, const LocalPolynomialRows& rows, const PatchBlock& block, Scratch& scratch,
+                          FitPixels* pixels) {
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  const int sigmas = rows.weights.candidates;
+  int count = 0;
+  for (int y = 0; y < rows.weights.rows; ++y) {
+    for (int k = 0; k < block.width; k += static_cast<int>(lanes), ++count) {
+      FitPixels& p = pixels[count];
+      p.x = block.x + k + y * rows.weights.pitch;
+      float* basis = scratch.take(static_cast<std::size_t>(kMaxFeatureDimensions * rows.features * lanes));
+      p.dimensions = 2 + (rows.features > 0 ? feature_basis(d, rows, p.x, basis) : 0);
+      p.basis = basis;
+      p.sums = scratch.take(static_cast<std::size_t>(sigmas * sums_step(d, rows)));
+      p.fits = scratch.take(static_cast<std::size_t>(sigmas * fits_step(d, rows)));
+      std::fill_n(p.sums, sigmas * sums_step(d, rows), 0.0F);
+    }
+  }
+  return count;
 }
 
 HWY_INLINE void run_block(const LocalPolynomialRows& rows, std::ptrdiff_t x, int width) {
   const FloatTag d;
-  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
-  float* next = rows.scratch;
-  const auto take = [&](std::size_t floats) { return std::exchange(next, next + floats); };
-  constexpr std::size_t kGroup = kNlmTapGroup * kNlmBlockPixels;
-  const TapDistances distances{take(kGroup), {take(kGroup), take(kGroup), take(kGroup)}};
-  const auto field = [&] { return take(kNlmPatchFloats); };
-  PatchBlock block{
-      rows.weights, x,
-      width,        false,
-      true,         {field(), field(), {field(), field(), field()}, field(), field(), {field(), field(), field()}}};
+  Scratch scratch{rows.scratch};
+  const TapDistances distances = take_distances(scratch);
+  PatchBlock block{rows.weights, x, width, false, false, take_fields(scratch)};
   block.is_masked = has_hole(d, block);
-  float* solver = take(static_cast<std::size_t>(normal_equation_sums(kMaxColumns) + kMaxColumns) * kMaxLanes);
-
+  float* solver = scratch.take(static_cast<std::size_t>(normal_equation_sums(kMaxColumns) + kMaxColumns) * kMaxLanes);
   FitPixels pixels[kNlmBlockPixels];
-  int count = 0;
-  const int sigmas = rows.weights.candidates;
-  for (int y = 0; y < rows.weights.rows; ++y) {
-    for (int k = 0; k < width; k += static_cast<int>(lanes), ++count) {
-      FitPixels& p = pixels[count];
-      p.x = x + k + y * rows.weights.pitch;
-      float* basis = take(static_cast<std::size_t>(kMaxFeatureDimensions * rows.features * lanes));
-      const bool has_slopes = rows.order[rows.orders - 1] > 0 || rows.is_taylor;
-      p.dimensions = 2 + (rows.features > 0 && has_slopes ? feature_basis(d, rows, p.x, basis) : 0);
-      p.basis = basis;
-      p.sums = take(static_cast<std::size_t>(sigmas * sums_step(d, rows)));
-      p.fits = take(static_cast<std::size_t>(sigmas * fits_step(d, rows)));
-      std::fill_n(p.sums, sigmas * sums_step(d, rows), 0.0F);
-    }
-  }
-  block.has_slopes = false;
+  const int count = set_pixels(d, rows, block, scratch, pixels);
   for_each_group(d, rows, block, distances, pixels,
                  [&](const FitPixels& p, const TapGroup& group) { add_group_to_equations(rows, p, group); });
   block.has_slopes = !rows.is_taylor;
   for (int i = 0; i < count; ++i) solve_all(rows, pixels[i], solver);
   if (rows.is_taylor || rows.has_colour_weights) {
     for_each_group(d, rows, block, distances, pixels, [&](const FitPixels& p, const TapGroup& group) {
-      if (rows.is_taylor || has_noise(d, rows, p.x)) add_group_to_moments(rows, p, group);
+      const bool has_noise = any_covariance(d, rows.weights.colour_covariance, 6, p.x);
+      if (rows.is_taylor || has_noise) add_group_to_moments(rows, p, group);
     });
   }
   const FitPixels* p = pixels;
   for (int y = 0; y < rows.weights.rows; ++y) {
-    for (int k = 0; k < width; k += static_cast<int>(lanes)) finish(d, rows, *p++, y, x + k);
+    for (int k = 0; k < width; k += static_cast<int>(hn::Lanes(d))) finish(d, rows, *p++, y, x + k);
   }
 }
 

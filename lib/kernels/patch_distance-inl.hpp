@@ -252,39 +252,6 @@ inline void patch_distances(const PatchBlock& block, const Tap& tap, const TapDi
   kRuns[is_usual_radius ? 1 : 0][block.rows.is_normalised ? 1 : 0][block.is_masked ? 1 : 0](block, tap, out);
 }
 
-// Fills the distances of taps [first, first + count); padding counts nothing.
-HWY_INLINE void fill_distances(const PatchBlock& block, int first, int count, const TapDistances& to) {
-  const CrossNlmRows& rows = block.rows;
-  const int near_side = 2 * rows.near_radius + 1;
-  for (int t = 0; t < count; ++t) {
-    const int index = first + t;
-    const std::size_t at = static_cast<std::size_t>(t) * kNlmBlockPixels;
-    if (index < rows.tap_count) {
-      const Tap tap{rows.taps[index], index < near_side * near_side, index % near_side - rows.near_radius,
-                    index / near_side - rows.near_radius};
-      patch_distances(block, tap, {to.distance + at, {to.slope[0] + at, to.slope[1] + at, to.slope[2] + at}});
-      continue;
-    }
-    std::fill_n(to.distance + at, kNlmBlockPixels, kNoNeighbour);
-    for (float* slope : to.slope) std::fill_n(slope + at, kNlmBlockPixels, 0.0F);
-  }
-}
-
-// Whether all that the block's patches and neighbours reach are sources: then the patches' sizes are known.
-HWY_INLINE bool has_hole(FloatTag d, const PatchBlock& block) {
-  const CrossNlmRows& rows = block.rows;
-  const int rim = rows.window_radius + block.rim();
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  for (int y = -rim; y < rows.rows + rim; ++y) {
-    const float* mask = rows.guides.mask + block.x + y * rows.pitch;
-    for (int x = -rim; x < block.width + rim; x += lanes) {
-      const int at = std::min(x, block.width + rim - lanes);
-      if (!hn::AllTrue(d, hn::Eq(hn::LoadU(d, mask + at), hn::Set(d, 1.0F)))) return true;
-    }
-  }
-  return false;
-}
-
 }  // namespace stein::kernels::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

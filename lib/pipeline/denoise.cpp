@@ -79,6 +79,18 @@ void replace_outliers(Source& source, const DenoiseParams& params, exec::Runner&
   report.outlier_energy = outliers.removed;  // summarise() makes it a fraction
 }
 
+// Filters of many passes need nearly all rows of each for a few of the last: they do without.
+bool wants_prior(const DenoiseParams& params, const FilterRuns& runs) {
+  constexpr int kMostPasses = 2;
+  return params.selection == Selection::kEvidence && runs.passes() <= kMostPasses;
+}
+
+void describe(const RiskChoice& risk, DenoiseReport& report) {
+  report.risk = risk.name;
+  report.risk_reason = risk.reason;
+  report.warnings = risk.warnings;
+}
+
 }  // namespace
 
 void check(const DenoiseParams& params) {
@@ -106,9 +118,7 @@ DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {
   exec::Runner runner(params.execution);
   DenoiseResult result;
   DenoiseReport& report = result.report;
-  report.risk = risk.name;
-  report.risk_reason = risk.reason;
-  report.warnings = risk.warnings;
+  describe(risk, report);
   StageClock clock(report.stages);
 
   clock.measure("inspect", [&] { report.frame = inspect(frame, runner, kRestShare / 2); });
@@ -122,9 +132,7 @@ DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {
   const int ring_rows = window_rows(params, risk.method, geometry);
   FilterRuns runs(source, params, risk.method, geometry, ring_rows, runner.slots());
   Surveyor surveyor(source, runs, geometry, runner.slots());
-  // Filters of many passes need nearly all rows of each for a few of the last: they do without a prior.
-  constexpr int kMostPasses = 2;
-  const bool has_prior = params.selection == Selection::kEvidence && runs.passes() <= kMostPasses;
+  const bool has_prior = wants_prior(params, runs);
   Survey prior;
   if (has_prior) clock.measure("survey", [&] { prior = survey(surveyor, runs, geometry, runner, kSurveyShare); });
 

@@ -147,7 +147,8 @@ TEST_CASE("smooth features: covariances shrink as the variances do") {
   std::vector<float> planes(12 * 19);
   float* rows[12];
   for (std::size_t k = 0; k < 12; ++k) rows[k] = planes.data() + 19 * k;
-  smooth.covariance_rows(7, 0, 19, rows);
+  std::vector<float> line(19);
+  smooth.covariance_rows(7, 0, 19, line.data(), rows);
   double least = 1;
   for (int x = 0; x < 19; ++x) {
     for (int k = 0; k < 4; ++k) {
