@@ -218,13 +218,13 @@ TEST_CASE("every filter: pixels beyond the declared halo cannot change a tile") 
 
 TEST_CASE("every filter: tiles of any size give identical bits") {
   for (const FilterSpec& spec : specs()) {
-    OwnedFrame frame(150, 70, kUsualFeatures);
+    OwnedFrame frame(101, 43, kUsualFeatures);
     fill_random(frame, 24);
-    frame.at("R", 70, 30) = std::numeric_limits<float>::quiet_NaN();
-    const BankResult reference = run_filter(spec, frame.frame(), {160, 70});
+    frame.at("R", 60, 20) = std::numeric_limits<float>::quiet_NaN();
+    const BankResult reference = run_filter(spec, frame.frame(), {112, 43});
     CHECK(identical(reference, run_filter(spec, frame.frame(), {16, 1})));
     CHECK(identical(reference, run_filter(spec, frame.frame(), {48, 13})));
-    CHECK(identical(reference, run_filter(spec, frame.frame(), {128, 32})));
+    CHECK(identical(reference, run_filter(spec, frame.frame(), {64, 32})));
   }
 }
 
