@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <hwy/targets.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -258,18 +256,6 @@ TEST_CASE("adaptive-order: the joint divergence takes in covariances with featur
   params.range_sigmas = {9.0F};
   params.window_radius = 6;
   check_agreement(params, frame.frame(), {Divergence::kJoint, 61, 1});
-}
-
-TEST_CASE("adaptive-order: all instruction sets of this machine agree") {
-  OwnedFrame frame(37, 19, kUsualFeatures);
-  fill_random(frame, 13);
-  frame.at("R", 30, 11) = kNaN;
-  for (std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS; targets != 0; targets &= targets - 1) {
-    INFO(hwy::TargetName(targets & -targets));
-    hwy::SetSupportedTargetsForTest(targets & -targets);
-    check_agreement(small_bank(), frame.frame(), {Divergence::kPlain, 29, 3});
-    hwy::SetSupportedTargetsForTest(0);
-  }
 }
 
 }  // namespace stein::test
