@@ -20,8 +20,6 @@
 
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr int kPipeSize = 4096;
 constexpr int kRoomForTwoLines = 7;  // "0%\n" and "NN%\n"
 
@@ -70,26 +68,6 @@ pid_t start(const std::vector<std::string>& arguments, int out, int err, long fi
 int open_for_output(const std::string& path) { return open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600); }
 
 }  // namespace
-
-TemporaryFolder::TemporaryFolder() {
-  std::string name = (fs::temp_directory_path() / "stein-cli-test-XXXXXX").string();
-  require(mkdtemp(name.data()) != nullptr, "cannot make a temporary folder");
-  path_ = name;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
-
-std::vector<std::string> TemporaryFolder::names() const {
-  std::vector<std::string> names;
-  for (const fs::directory_entry& entry : fs::directory_iterator(path_)) {
-    names.push_back(entry.path().filename().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
 
 Outcome run_stein(const std::vector<std::string>& arguments, long file_size_limit) {
   const TemporaryFolder folder;

@@ -20,6 +20,8 @@ namespace {
 using stein::CrossBilateralParams;
 using stein::FilterSpec;
 
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
 /// The message of the error that check throws; empty if it throws none.
 std::string refusal(const FilterSpec& spec) {
   try {
@@ -31,14 +33,32 @@ std::string refusal(const FilterSpec& spec) {
   return {};
 }
 
-template <class Change>
-std::string refusal_after(const Change& change) {
-  CrossBilateralParams params;
+/// The same of a filter's usual parameters after a change.
+template <class Params>
+std::string refusal_after(void (*change)(Params&)) {
+  Params params;
   change(params);
   return refusal(params);
 }
 
+/// The same with another list of numbers in place of the usual one.
+template <class Params, class Number>
+std::string refusal_of(std::vector<Number> Params::*list, const std::vector<Number>& numbers) {
+  Params params;
+  params.*list = numbers;
+  return refusal(params);
+}
+
 bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+/// Each message must contain its part and the name of the filter.
+void check_messages(const std::vector<std::pair<std::string, std::string>>& messages, const std::string& filter) {
+  for (const auto& [message, part] : messages) {
+    CAPTURE(message, part);
+    CHECK(contains(message, part));
+    CHECK(contains(message, filter + ": "));
+  }
+}
 
 }  // namespace
 
@@ -80,89 +100,65 @@ TEST_CASE("The cross-bilateral bank has the paper's scales") {
 
 TEST_CASE("The ends of each range are allowed") {
   using Params = CrossBilateralParams;
-  CHECK(refusal_after([](Params& p) { p.spatial_sigmas = {0.5F, 16.0F}; }).empty());
-  CHECK(refusal_after([](Params& p) { p.spatial_sigmas = {1, 2, 3, 4, 5, 6, 7, 8}; }).empty());
-  CHECK(refusal_after([](Params& p) { p.guides.min_feature_variance = 1e-6F; }).empty());
-  CHECK(refusal_after([](Params& p) { p.guides.min_feature_variance = 1.0F; }).empty());
-  CHECK(refusal_after([](Params& p) { p.guides.other_feature_sigma = 0; }).empty());
-  CHECK(refusal_after([](Params& p) { p.range_sigma = 1e9F; }).empty());
-  CHECK(refusal_after([](Params& p) { p.guides.feature_sigmas.clear(); }).empty());
+  CHECK(refusal_of(&Params::spatial_sigmas, {0.5F, 16.0F}).empty());
+  CHECK(refusal_of(&Params::spatial_sigmas, {1, 2, 3, 4, 5, 6, 7, 8}).empty());
+  CHECK(refusal_after(+[](Params& p) { p.guides.min_feature_variance = 1e-6F; }).empty());
+  CHECK(refusal_after(+[](Params& p) { p.guides.min_feature_variance = 1.0F; }).empty());
+  CHECK(refusal_after(+[](Params& p) { p.guides.other_feature_sigma = 0; }).empty());
+  CHECK(refusal_after(+[](Params& p) { p.range_sigma = 1e9F; }).empty());
+  CHECK(refusal_after(+[](Params& p) { p.guides.feature_sigmas.clear(); }).empty());
 }
 
 TEST_CASE("A value out of range is refused with parameter, value and range") {
   using Params = CrossBilateralParams;
-  const float inf = std::numeric_limits<float>::infinity();
   const std::vector<std::pair<std::string, std::string>> messages = {
-      {refusal_after([](Params& p) { p.spatial_sigmas = {0.49F}; }),
-       "spatial_sigmas[0] is 0.49, must be in [0.5..16] px"},
-      {refusal_after([](Params& p) {
-         p.spatial_sigmas = {1, 16.5F};
-       }),
-       "spatial_sigmas[1] is 16.5, must be in [0.5..16]"},
-      {refusal_after([](Params& p) {
-         p.spatial_sigmas = {1, NAN};
-       }),
-       "spatial_sigmas[1] is nan"},
-      {refusal_after([](Params& p) {
-         p.spatial_sigmas = {2, 1};
-       }),
-       "spatial_sigmas[1] is 1, must be above"},
-      {refusal_after([](Params& p) {
-         p.spatial_sigmas = {2, 2};
-       }),
-       "ascending order"},
-      {refusal_after([](Params& p) { p.spatial_sigmas.clear(); }), "number of spatial_sigmas is 0, must be in [1..8]"},
-      {refusal_after([](Params& p) { p.spatial_sigmas = {1, 2, 3, 4, 5, 6, 7, 8, 9}; }),
-       "number of spatial_sigmas is 9"},
-      {refusal_after([](Params& p) { p.range_sigma = -0.5F; }), "range_sigma is -0.5, must be finite and >= 0"},
-      {refusal_after([=](Params& p) { p.range_sigma = inf; }), "range_sigma is inf"},
-      {refusal_after([](Params& p) { p.guides.other_feature_sigma = -1; }), "other_feature_sigma is -1"},
-      {refusal_after([](Params& p) {
+      {refusal_of(&Params::spatial_sigmas, {0.49F}), "spatial_sigmas[0] is 0.49, must be in [0.5..16] px"},
+      {refusal_of(&Params::spatial_sigmas, {1, 16.5F}), "spatial_sigmas[1] is 16.5, must be in [0.5..16]"},
+      {refusal_of(&Params::spatial_sigmas, {1, NAN}), "spatial_sigmas[1] is nan"},
+      {refusal_of(&Params::spatial_sigmas, {2, 1}), "spatial_sigmas[1] is 1, must be above"},
+      {refusal_of(&Params::spatial_sigmas, {2, 2}), "ascending order"},
+      {refusal_of(&Params::spatial_sigmas, {}), "number of spatial_sigmas is 0, must be in [1..8]"},
+      {refusal_of(&Params::spatial_sigmas, {1, 2, 3, 4, 5, 6, 7, 8, 9}), "number of spatial_sigmas is 9"},
+      {refusal_after(+[](Params& p) { p.range_sigma = -0.5F; }), "range_sigma is -0.5, must be finite and >= 0"},
+      {refusal_after(+[](Params& p) { p.range_sigma = kInfinity; }), "range_sigma is inf"},
+      {refusal_after(+[](Params& p) { p.guides.other_feature_sigma = -1; }), "other_feature_sigma is -1"},
+      {refusal_after(+[](Params& p) {
          p.guides.feature_sigmas = {{"depth", NAN}};
        }),
        "the sigma of feature 'depth' is nan"},
-      {refusal_after([](Params& p) {
+      {refusal_after(+[](Params& p) {
          p.guides.feature_sigmas = {{"", 1}};
        }),
        "name"},
-      {refusal_after([](Params& p) {
+      {refusal_after(+[](Params& p) {
          p.guides.feature_sigmas = {{"depth", 1}, {"depth", 2}};
        }),
        "'depth' is listed twice"},
-      {refusal_after([](Params& p) { p.guides.min_feature_variance = 0.9e-6F; }),
+      {refusal_after(+[](Params& p) { p.guides.min_feature_variance = 0.9e-6F; }),
        "min_feature_variance is 9e-07, must be in [1e-06..1]"},
-      {refusal_after([](Params& p) { p.guides.min_feature_variance = 1.01F; }), "min_feature_variance is 1.01"},
+      {refusal_after(+[](Params& p) { p.guides.min_feature_variance = 1.01F; }), "min_feature_variance is 1.01"},
   };
-  for (const auto& [message, part] : messages) {
-    CAPTURE(message, part);
-    CHECK(contains(message, part));
-    CHECK(contains(message, "cross-bilateral: "));
-  }
+  check_messages(messages, "cross-bilateral");
 }
 
 TEST_CASE("The ranges of the à-trous filters") {
-  const auto plain = [](auto change) {
-    stein::AtrousParams params;
-    change(params);
-    return refusal(params);
-  };
-  const auto sure = [](auto change) {
-    stein::AtrousSureParams params;
-    change(params);
-    return refusal(params);
-  };
-  CHECK(plain([](auto& p) { p.levels = 1; }).empty());
-  CHECK(plain([](auto& p) { p.value_sigma = 0; }).empty());
-  CHECK(contains(plain([](auto& p) { p.levels = 0; }), "atrous: levels is 0, must be in [1..5]"));
-  CHECK(contains(plain([](auto& p) { p.levels = 6; }), "levels is 6"));
-  CHECK(contains(plain([](auto& p) { p.value_sigma = 0.05F; }), "value_sigma (0: off) is 0.05, must be in [0.1..100]"));
-  CHECK(contains(plain([](auto& p) { p.value_sigma = NAN; }), "value_sigma"));
-  CHECK(contains(plain([](auto& p) { p.guides.other_feature_sigma = -1; }), "atrous: other_feature_sigma is -1"));
-  CHECK(sure([](auto& p) { p.fixed_weight = 1.0F; }).empty());
-  CHECK(contains(sure([](auto& p) { p.levels = 6; }), "atrous-sure: levels is 6"));
-  CHECK(contains(sure([](auto& p) { p.fixed_weight = 1.1F; }), "atrous-sure: fixed_weight is 1.1, must be in [0..1]"));
-  CHECK(contains(sure([](auto& p) { p.noise_margin = -1; }), "noise_margin is -1, must be in [0..100]"));
-  CHECK(contains(sure([](auto& p) { p.weight_steps = -1; }), "weight_steps is -1, must be in [0..100]"));
+  using Plain = stein::AtrousParams;
+  using Sure = stein::AtrousSureParams;
+  CHECK(refusal_after(+[](Plain& p) { p.levels = 1; }).empty());
+  CHECK(refusal_after(+[](Plain& p) { p.value_sigma = 0; }).empty());
+  CHECK(contains(refusal_after(+[](Plain& p) { p.levels = 0; }), "atrous: levels is 0, must be in [1..5]"));
+  CHECK(contains(refusal_after(+[](Plain& p) { p.levels = 6; }), "levels is 6"));
+  CHECK(contains(refusal_after(+[](Plain& p) { p.value_sigma = 0.05F; }),
+                 "value_sigma (0: off) is 0.05, must be in [0.1..100]"));
+  CHECK(contains(refusal_after(+[](Plain& p) { p.value_sigma = NAN; }), "value_sigma"));
+  CHECK(contains(refusal_after(+[](Plain& p) { p.guides.other_feature_sigma = -1; }),
+                 "atrous: other_feature_sigma is -1"));
+  CHECK(refusal_after(+[](Sure& p) { p.fixed_weight = 1.0F; }).empty());
+  CHECK(contains(refusal_after(+[](Sure& p) { p.levels = 6; }), "atrous-sure: levels is 6"));
+  CHECK(contains(refusal_after(+[](Sure& p) { p.fixed_weight = 1.1F; }),
+                 "atrous-sure: fixed_weight is 1.1, must be in [0..1]"));
+  CHECK(contains(refusal_after(+[](Sure& p) { p.noise_margin = -1; }), "noise_margin is -1, must be in [0..100]"));
+  CHECK(contains(refusal_after(+[](Sure& p) { p.weight_steps = -1; }), "weight_steps is -1, must be in [0..100]"));
   CHECK_FALSE(stein::has_derivative(stein::AtrousParams{}));
 }
 
@@ -178,43 +174,27 @@ TEST_CASE("The cross non-local means banks name their range sigmas and differ in
 
 TEST_CASE("Parameters of the cross non-local means bank are checked") {
   using Params = stein::CrossNlmParams;
-  const auto message = [](const auto& change) {
-    Params params;
-    change(params);
-    return refusal(params);
-  };
-  CHECK(message([](Params& p) { p.range_sigmas = {1e-6F, 1e6F}; }).empty());
-  CHECK(message([](Params& p) { p.range_sigmas = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}; }).empty());
-  CHECK(message([](Params& p) { p.window_radius = 1; }).empty());
-  CHECK(message([](Params& p) { p.window_radius = 32; }).empty());
-  CHECK(message([](Params& p) { p.patch_radius = 0; }).empty());
-  CHECK(message([](Params& p) { p.patch_radius = 4; }).empty());
-  CHECK(message([](Params& p) { p.patch_blur = 0; }).empty());
+  CHECK(refusal_of(&Params::range_sigmas, {1e-6F, 1e6F}).empty());
+  CHECK(refusal_of(&Params::range_sigmas, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}).empty());
+  CHECK(refusal_after(+[](Params& p) { p.window_radius = 1; }).empty());
+  CHECK(refusal_after(+[](Params& p) { p.window_radius = 32; }).empty());
+  CHECK(refusal_after(+[](Params& p) { p.patch_radius = 0; }).empty());
+  CHECK(refusal_after(+[](Params& p) { p.patch_radius = 4; }).empty());
+  CHECK(refusal_after(+[](Params& p) { p.patch_blur = 0; }).empty());
   const std::vector<std::pair<std::string, std::string>> messages = {
-      {message([](Params& p) { p.range_sigmas = {0.0F}; }), "range_sigmas[0] is 0, must be in [1e-06..1e+06]"},
-      {message([](Params& p) {
-         p.range_sigmas = {1, NAN};
-       }),
-       "range_sigmas[1] is nan"},
-      {message([](Params& p) {
-         p.range_sigmas = {2, 2};
-       }),
-       "range_sigmas[1] is 2, must be above"},
-      {message([](Params& p) { p.range_sigmas.clear(); }), "number of range_sigmas is 0, must be in [1..12]"},
-      {message([](Params& p) { p.range_sigmas = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13}; }),
-       "number of range_sigmas is 13"},
-      {message([](Params& p) { p.window_radius = 0; }), "window_radius is 0, must be in [1..32] px"},
-      {message([](Params& p) { p.window_radius = 33; }), "window_radius is 33"},
-      {message([](Params& p) { p.patch_radius = -1; }), "patch_radius is -1, must be in [0..4] px"},
-      {message([](Params& p) { p.patch_radius = 5; }), "patch_radius is 5"},
-      {message([](Params& p) { p.patch_blur = 1.1F; }), "patch_blur is 1.1, must be in [0..1]"},
-      {message([](Params& p) { p.guides.other_feature_sigma = -1; }), "other_feature_sigma is -1"},
+      {refusal_of(&Params::range_sigmas, {0.0F}), "range_sigmas[0] is 0, must be in [1e-06..1e+06]"},
+      {refusal_of(&Params::range_sigmas, {1, NAN}), "range_sigmas[1] is nan"},
+      {refusal_of(&Params::range_sigmas, {2, 2}), "range_sigmas[1] is 2, must be above"},
+      {refusal_of(&Params::range_sigmas, {}), "number of range_sigmas is 0, must be in [1..12]"},
+      {refusal_of(&Params::range_sigmas, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13}), "number of range_sigmas is 13"},
+      {refusal_after(+[](Params& p) { p.window_radius = 0; }), "window_radius is 0, must be in [1..32] px"},
+      {refusal_after(+[](Params& p) { p.window_radius = 33; }), "window_radius is 33"},
+      {refusal_after(+[](Params& p) { p.patch_radius = -1; }), "patch_radius is -1, must be in [0..4] px"},
+      {refusal_after(+[](Params& p) { p.patch_radius = 5; }), "patch_radius is 5"},
+      {refusal_after(+[](Params& p) { p.patch_blur = 1.1F; }), "patch_blur is 1.1, must be in [0..1]"},
+      {refusal_after(+[](Params& p) { p.guides.other_feature_sigma = -1; }), "other_feature_sigma is -1"},
   };
-  for (const auto& [text, part] : messages) {
-    CAPTURE(text, part);
-    CHECK(contains(text, part));
-    CHECK(contains(text, "cross-nlm: "));
-  }
+  check_messages(messages, "cross-nlm");
 }
 
 TEST_CASE("The adaptive-order banks name orders and range sigmas and differ in their windows") {
@@ -238,70 +218,47 @@ TEST_CASE("The adaptive-order banks name orders and range sigmas and differ in t
 
 TEST_CASE("Parameters of the adaptive-order bank are checked") {
   using Params = stein::AdaptiveOrderParams;
-  const auto message = [](const auto& change) {
-    Params params;
-    change(params);
-    return refusal(params);
-  };
-  CHECK(message([](Params& p) { p.orders = {0, 1, 3}; }).empty());
-  CHECK(message([](Params& p) { p.orders = {3}; }).empty());
-  CHECK(message([](Params& p) { p.range_sigmas.clear(); }).empty());
-  CHECK(message([](Params& p) { p.range_sigmas = {0.05F, 1.0F, 100.0F}; }).empty());
-  CHECK(message([](Params& p) { p.spatial_sigma = 0; }).empty());
-  CHECK(message([](Params& p) { p.spatial_sigma = 0.5F; }).empty());
-  CHECK(message([](Params& p) { p.spatial_sigma = 100.0F; }).empty());
-  CHECK(message([](Params& p) { p.window_radius = 1; }).empty());
-  CHECK(message([](Params& p) { p.window_radius = 20; }).empty());
-  CHECK(message([](Params& p) { p.patch_radius = 0; }).empty());
-  CHECK(message([](Params& p) { p.patch_radius = 4; }).empty());
-  CHECK(message([](Params& p) { p.noise_threshold = 1; }).empty());
-  CHECK(message([](Params& p) { p.noise_threshold = 1e6F; }).empty());
-  CHECK(message([](Params& p) { p.ridge = 0; }).empty());
-  CHECK(message([](Params& p) { p.ridge = 1e6F; }).empty());
+  CHECK(refusal_of(&Params::orders, {0, 1, 3}).empty());
+  CHECK(refusal_of(&Params::orders, {3}).empty());
+  CHECK(refusal_of(&Params::range_sigmas, {}).empty());
+  CHECK(refusal_of(&Params::range_sigmas, {0.05F, 1.0F, 100.0F}).empty());
+  CHECK(refusal_after(+[](Params& p) { p.spatial_sigma = 0; }).empty());
+  CHECK(refusal_after(+[](Params& p) { p.spatial_sigma = 0.5F; }).empty());
+  CHECK(refusal_after(+[](Params& p) { p.spatial_sigma = 100.0F; }).empty());
+  CHECK(refusal_after(+[](Params& p) { p.window_radius = 1; }).empty());
+  CHECK(refusal_after(+[](Params& p) { p.window_radius = 20; }).empty());
+  CHECK(refusal_after(+[](Params& p) { p.patch_radius = 0; }).empty());
+  CHECK(refusal_after(+[](Params& p) { p.patch_radius = 4; }).empty());
+  CHECK(refusal_after(+[](Params& p) { p.noise_threshold = 1; }).empty());
+  CHECK(refusal_after(+[](Params& p) { p.noise_threshold = 1e6F; }).empty());
+  CHECK(refusal_after(+[](Params& p) { p.ridge = 0; }).empty());
+  CHECK(refusal_after(+[](Params& p) { p.ridge = 1e6F; }).empty());
   const std::vector<std::pair<std::string, std::string>> messages = {
-      {message([](Params& p) { p.orders.clear(); }), "the number of orders is 0, must be in [1..3]"},
-      {message([](Params& p) { p.orders = {2}; }), "orders[0] is 2, must be 0, 1 or 3"},
-      {message([](Params& p) { p.orders = {-1}; }), "orders[0] is -1"},
-      {message([](Params& p) {
-         p.orders = {1, 0};
-       }),
-       "orders[1] is 0, must be above the one before it"},
-      {message([](Params& p) {
-         p.orders = {1, 1};
-       }),
-       "orders[1] is 1, must be above"},
-      {message([](Params& p) { p.range_sigmas = {0.04F}; }), "range_sigmas[0] is 0.04, must be in [0.05..100]"},
-      {message([](Params& p) {
-         p.range_sigmas = {1, NAN};
-       }),
-       "range_sigmas[1] is nan"},
-      {message([](Params& p) {
-         p.range_sigmas = {2, 2};
-       }),
-       "range_sigmas[1] is 2, must be above"},
-      {message([](Params& p) {
-         p.range_sigmas = {1, 2, 3, 4};
-       }),
-       "number of range_sigmas is 4, must be in [1..3]"},
-      {message([](Params& p) { p.spatial_sigma = 0.4F; }), "spatial_sigma (0: off) is 0.4, must be in [0.5..100] px"},
-      {message([](Params& p) { p.spatial_sigma = -1; }), "spatial_sigma (0: off) is -1"},
-      {message([](Params& p) { p.spatial_sigma = NAN; }), "spatial_sigma (0: off) is nan"},
-      {message([](Params& p) { p.window_radius = 0; }), "window_radius is 0, must be in [1..20] px"},
-      {message([](Params& p) { p.window_radius = 21; }), "window_radius is 21"},
-      {message([](Params& p) { p.patch_radius = -1; }), "patch_radius is -1, must be in [0..4] px"},
-      {message([](Params& p) { p.patch_radius = 5; }), "patch_radius is 5"},
-      {message([](Params& p) { p.patch_blur = -0.1F; }), "patch_blur is -0.1, must be in [0..1]"},
-      {message([](Params& p) { p.noise_threshold = 0.9F; }), "noise_threshold is 0.9, must be in [1..1e+06]"},
-      {message([](Params& p) { p.noise_threshold = 2e6F; }), "noise_threshold is 2e+06"},
-      {message([](Params& p) { p.ridge = -1; }), "ridge is -1, must be in [0..1e+06]"},
-      {message([](Params& p) { p.ridge = NAN; }), "ridge is nan"},
-      {message([](Params& p) { p.guides.other_feature_sigma = -1; }), "other_feature_sigma is -1"},
+      {refusal_of(&Params::orders, {}), "the number of orders is 0, must be in [1..3]"},
+      {refusal_of(&Params::orders, {2}), "orders[0] is 2, must be 0, 1 or 3"},
+      {refusal_of(&Params::orders, {-1}), "orders[0] is -1"},
+      {refusal_of(&Params::orders, {1, 0}), "orders[1] is 0, must be above the one before it"},
+      {refusal_of(&Params::orders, {1, 1}), "orders[1] is 1, must be above"},
+      {refusal_of(&Params::range_sigmas, {0.04F}), "range_sigmas[0] is 0.04, must be in [0.05..100]"},
+      {refusal_of(&Params::range_sigmas, {1, NAN}), "range_sigmas[1] is nan"},
+      {refusal_of(&Params::range_sigmas, {2, 2}), "range_sigmas[1] is 2, must be above"},
+      {refusal_of(&Params::range_sigmas, {1, 2, 3, 4}), "number of range_sigmas is 4, must be in [1..3]"},
+      {refusal_after(+[](Params& p) { p.spatial_sigma = 0.4F; }),
+       "spatial_sigma (0: off) is 0.4, must be in [0.5..100] px"},
+      {refusal_after(+[](Params& p) { p.spatial_sigma = -1; }), "spatial_sigma (0: off) is -1"},
+      {refusal_after(+[](Params& p) { p.spatial_sigma = NAN; }), "spatial_sigma (0: off) is nan"},
+      {refusal_after(+[](Params& p) { p.window_radius = 0; }), "window_radius is 0, must be in [1..20] px"},
+      {refusal_after(+[](Params& p) { p.window_radius = 21; }), "window_radius is 21"},
+      {refusal_after(+[](Params& p) { p.patch_radius = -1; }), "patch_radius is -1, must be in [0..4] px"},
+      {refusal_after(+[](Params& p) { p.patch_radius = 5; }), "patch_radius is 5"},
+      {refusal_after(+[](Params& p) { p.patch_blur = -0.1F; }), "patch_blur is -0.1, must be in [0..1]"},
+      {refusal_after(+[](Params& p) { p.noise_threshold = 0.9F; }), "noise_threshold is 0.9, must be in [1..1e+06]"},
+      {refusal_after(+[](Params& p) { p.noise_threshold = 2e6F; }), "noise_threshold is 2e+06"},
+      {refusal_after(+[](Params& p) { p.ridge = -1; }), "ridge is -1, must be in [0..1e+06]"},
+      {refusal_after(+[](Params& p) { p.ridge = NAN; }), "ridge is nan"},
+      {refusal_after(+[](Params& p) { p.guides.other_feature_sigma = -1; }), "other_feature_sigma is -1"},
   };
-  for (const auto& [text, part] : messages) {
-    CAPTURE(text, part);
-    CHECK(contains(text, part));
-    CHECK(contains(text, "adaptive-order: "));
-  }
+  check_messages(messages, "adaptive-order");
 }
 
 TEST_CASE("Numbers in texts are short and do not depend on the locale") {

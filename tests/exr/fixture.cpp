@@ -15,7 +15,6 @@
 #include <ImfTiledInputPart.h>
 #include <ImfTiledOutputPart.h>
 #include <half.h>
-#include <unistd.h>
 
 #include <cstring>
 #include <fstream>
@@ -124,21 +123,6 @@ void write_tiles(Imf::MultiPartOutputFile& file, int index, const PartSpec& part
 }
 
 }  // namespace
-
-TemporaryFolder::TemporaryFolder() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "stein-exr-XXXXXX").string();
-  if (::mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
-  path_ = pattern;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code error;
-  std::filesystem::remove_all(path_, error);
-}
-
-std::size_t TemporaryFolder::entries() const {
-  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_), {}));
-}
 
 float value_of(const std::string& channel, int x, int y) {
   return static_cast<float>(hash_name(channel) % 61U) + 0.25F * static_cast<float>(x) + 8.0F * static_cast<float>(y) +

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "filters/exact_feature.hpp"
 #include "support/adaptive_order_reference.hpp"
 #include "support/statistics.hpp"
 #include "support/synthetic.hpp"
@@ -17,32 +18,16 @@
 namespace stein::test {
 namespace {
 
-constexpr std::array<const char*, 3> kRgb = {"R", "G", "B"};
 constexpr int kWidth = 13;
 constexpr int kHeight = 11;
 using Place = std::pair<int, int>;
 
 AdaptiveOrderParams taylor(std::vector<int> orders) {
-  AdaptiveOrderParams params;
-  params.orders = std::move(orders);
+  AdaptiveOrderParams params = plain_fit(std::move(orders));
   params.error = OrderError::kTaylor;
-  params.range_sigmas.clear();
   params.spatial_sigma = 3;
   params.window_radius = 5;
-  params.noise_threshold = 10;
-  params.ridge = 0;
   return params;
-}
-
-// One exact feature that has nothing to do with the position.
-void fill_scene(OwnedFrame& frame) {
-  Random random(9);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      frame.at("visibility.V", x, y) = static_cast<float>(random.uniform());
-      frame.at("visibility.variance.V", x, y) = 0;
-    }
-  }
 }
 
 // Noise differs from pixel to pixel.
@@ -120,7 +105,7 @@ std::vector<NoiseShares> noise_shares(const AdaptiveOrderParams& params, OwnedFr
 TEST_CASE("adaptive-order, Taylor: the variance is that of the fit, over many draws of the noise") {
   const std::vector<Place> watched = {{6, 5}, {0, 0}, {12, 4}};
   OwnedFrame frame(kWidth, kHeight, {{"visibility", 1}});
-  fill_scene(frame);
+  fill_exact_feature(frame, 9);
   for (const int order : {0, 1}) {
     const AdaptiveOrderParams params = taylor({order});
     const std::vector<NoiseShares> shares = noise_shares(params, frame, watched);
@@ -155,7 +140,7 @@ TEST_CASE("adaptive-order, Taylor: the variance is that of the fit, over many dr
 TEST_CASE("adaptive-order, Taylor: of a polynomial of the fit's own order the error is the variance alone") {
   const std::vector<Place> watched = {{6, 5}, {0, 10}, {12, 4}};
   OwnedFrame frame(kWidth, kHeight, {{"visibility", 1}});
-  fill_scene(frame);
+  fill_exact_feature(frame, 9);
   for (const int order : {0, 1, 3}) {
     const AdaptiveOrderParams params = taylor({order});
     const std::vector<NoiseShares> shares = noise_shares(params, frame, watched);
@@ -172,7 +157,7 @@ TEST_CASE("adaptive-order, Taylor: of a polynomial of the fit's own order the er
 
 TEST_CASE("adaptive-order, Taylor: without noise the error is the square of the bias") {
   OwnedFrame frame(kWidth, kHeight, {{"visibility", 1}});
-  fill_scene(frame);
+  fill_exact_feature(frame, 9);
   set_variances(frame, false);
   for (const auto& [order, truth] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2), std::pair(1, 3)}) {
     fill_colours(frame, truth, nullptr);

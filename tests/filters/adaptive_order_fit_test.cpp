@@ -9,35 +9,11 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "filters/exact_feature.hpp"
 #include "support/synthetic.hpp"
 
 namespace stein::test {
 namespace {
-
-constexpr std::array<const char*, 3> kRgb = {"R", "G", "B"};
-
-// Without ridge and with weights that do not depend on the colour.
-AdaptiveOrderParams plain_fit(std::vector<int> orders) {
-  AdaptiveOrderParams params;
-  params.orders = std::move(orders);
-  params.error = OrderError::kRisk;
-  params.range_sigmas.clear();
-  params.spatial_sigma = 0;
-  params.window_radius = 4;
-  params.noise_threshold = 10;
-  params.ridge = 0;
-  return params;
-}
-
-void fill_exact_feature(OwnedFrame& frame, std::uint64_t seed) {
-  Random random(seed);
-  for (int y = 0; y < frame.frame().height; ++y) {
-    for (int x = 0; x < frame.frame().width; ++x) {
-      frame.at("visibility.V", x, y) = static_cast<float>(random.uniform());
-      frame.at("visibility.variance.V", x, y) = 0;
-    }
-  }
-}
 
 // Sums of powers up to `order` of the position and the feature; of size 1 with differences of that size in a window.
 void fill_polynomial(OwnedFrame& frame, int order) {
