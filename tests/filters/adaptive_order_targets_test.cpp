@@ -51,9 +51,9 @@ Differences differences(const AdaptiveOrderParams& params, const Frame& frame, c
 
 // The usual set is compared with the reference elsewhere.
 TEST_CASE("adaptive-order: all instruction sets of this machine agree, over the whole bank with all covariances") {
-  OwnedFrame frame(37, 19, kUsualFeatures);
+  OwnedFrame frame(23, 13, kUsualFeatures);
   fill_random(frame, 13);
-  frame.at("R", 30, 11) = std::numeric_limits<float>::quiet_NaN();
+  frame.at("R", 17, 8) = std::numeric_limits<float>::quiet_NaN();
   const AdaptiveOrderParams bank;
   const RunOptions joint{32, 16, Divergence::kJoint, {}};
   const BankResult usual = run_filter(bank, frame.frame(), joint);
@@ -63,7 +63,7 @@ TEST_CASE("adaptive-order: all instruction sets of this machine agree, over the 
     const BankResult other = run_filter(bank, frame.frame(), joint);
     hwy::SetSupportedTargetsForTest(0);
     const Differences found = differences(bank, frame.frame(), other, usual);
-    CHECK(found.compared > 500);
+    CHECK(found.compared > 200);
     for (std::size_t o = 0; o < bank.orders.size(); ++o) {
       CAPTURE(bank.orders[o]);
       CHECK(found.result[o] < 2e-5);
