@@ -30,19 +30,21 @@ bool same_bits(const DenoiseResult& a, const DenoiseResult& b) {
 
 TEST_CASE("denoise: 1, 2 and 5 threads and three tile sizes give identical bits") {
 #ifdef __SANITIZE_THREAD__  // ten times slower, and as good at finding races in a smaller image
-  OwnedFrame frame(103, 66, kUsualFeatures);
-  const int y = 40;
+  constexpr bool kIsSlow = true;
+  OwnedFrame frame(71, 50, kUsualFeatures);
   const std::vector<std::tuple<int, int, int>> all_filters_runs = {{5, 16, 7}};
 #else
-  const std::vector<std::tuple<int, int, int>> all_filters_runs = {{5, 16, 7}, {2, 512, 40}};
+  constexpr bool kIsSlow = false;
   OwnedFrame frame(131, 97, kUsualFeatures);
-  const int y = 90;
+  const std::vector<std::tuple<int, int, int>> all_filters_runs = {{5, 16, 7}, {2, 512, 40}};
 #endif
   fill_random(frame, 31);
-  frame.at("R", 60, y) = 500.0F;  // an outlier, and pixels to fill
-  frame.at("variance.R", 60, y) = 250000.0F;
-  frame.at("G", 100, 64) = std::numeric_limits<float>::quiet_NaN();
-  frame.at("B", 101, 64) = std::numeric_limits<float>::quiet_NaN();
+  const int right = frame.frame().width;
+  const int bottom = frame.frame().height;
+  frame.at("R", right - 71, bottom - 7) = 500.0F;  // an outlier, and pixels to fill
+  frame.at("variance.R", right - 71, bottom - 7) = 250000.0F;
+  frame.at("G", right - 31, bottom - 33) = std::numeric_limits<float>::quiet_NaN();
+  frame.at("B", right - 30, bottom - 33) = std::numeric_limits<float>::quiet_NaN();
   DenoiseParams argmin;
   argmin.selection = Selection::kArgmin;
   DenoiseParams monte_carlo;
@@ -55,7 +57,8 @@ TEST_CASE("denoise: 1, 2 and 5 threads and three tile sizes give identical bits"
     if (auto* regression = std::get_if<AdaptiveOrderParams>(&params.filter)) regression->window_radius = 4;
     const DenoiseResult reference = denoise(frame.frame(), params);
     std::vector<std::tuple<int, int, int>> runs = all_filters_runs;
-    if (params.filter.index() == 0) runs.insert(runs.end(), {{1, 16, 7}, {2, 64, 64}, {5, 64, 64}});
+    const bool has_more_runs = params.filter.index() == 0 && !(kIsSlow && params.risk == Risk::kMonteCarlo);
+    if (has_more_runs) runs.insert(runs.end(), {{1, 16, 7}, {2, 64, 64}, {5, 64, 64}});
     for (const auto& [threads, width, height] : runs) {
       params.execution.threads = threads;
       params.execution.tile_width = width;
