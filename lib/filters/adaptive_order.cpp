@@ -59,6 +59,7 @@ class AdaptiveOrder final : public PreparedFilter {
     rows_.has_feature_covariance = divergence_ == Divergence::kJoint && features_.has_covariance();
     rows_.noise_threshold = params.noise_threshold;
     rows_.ridge = params.ridge;
+    rows_.curvature_ridge = params.curvature_ridge;
     rows_.is_taylor = params.error == OrderError::kTaylor;
     for (const int order : params.orders) rows_.order[rows_.orders++] = order;
   }

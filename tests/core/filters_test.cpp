@@ -258,6 +258,7 @@ TEST_CASE("Parameters of the adaptive-order bank are checked") {
   CHECK(message([](Params& p) { p.noise_threshold = 1e6F; }).empty());
   CHECK(message([](Params& p) { p.ridge = 0; }).empty());
   CHECK(message([](Params& p) { p.ridge = 1e6F; }).empty());
+  CHECK(message([](Params& p) { p.curvature_ridge = 0; }).empty());
   const std::vector<std::pair<std::string, std::string>> messages = {
       {message([](Params& p) { p.orders.clear(); }), "the number of orders is 0, must be in [1..3]"},
       {message([](Params& p) { p.orders = {2}; }), "orders[0] is 2, must be 0, 1 or 3"},
@@ -295,6 +296,7 @@ TEST_CASE("Parameters of the adaptive-order bank are checked") {
       {message([](Params& p) { p.noise_threshold = 2e6F; }), "noise_threshold is 2e+06"},
       {message([](Params& p) { p.ridge = -1; }), "ridge is -1, must be in [0..1e+06]"},
       {message([](Params& p) { p.ridge = NAN; }), "ridge is nan"},
+      {message([](Params& p) { p.curvature_ridge = 2e6F; }), "curvature_ridge is 2e+06, must be in [0..1e+06]"},
       {message([](Params& p) { p.guides.other_feature_sigma = -1; }), "other_feature_sigma is -1"},
   };
   for (const auto& [text, part] : messages) {

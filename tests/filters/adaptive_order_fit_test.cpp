@@ -25,7 +25,7 @@ AdaptiveOrderParams plain_fit(std::vector<int> orders) {
   params.spatial_sigma = 0;
   params.window_radius = 4;
   params.noise_threshold = 10;
-  params.ridge = 0;
+  params.ridge = params.curvature_ridge = 0;
   return params;
 }
 
@@ -161,7 +161,7 @@ TEST_CASE("adaptive-order: more ridge brings polynomials closer to the mean") {
   double before = 0;
   for (const float ridge : {0.0F, 10.0F, 100.0F, 1000.0F}) {
     AdaptiveOrderParams params = plain_fit({1});
-    params.ridge = ridge;
+    params.ridge = params.curvature_ridge = ridge;
     const double change = largest_change(run_filter(params, frame.frame()), 0, frame);
     CHECK(change >= before);
     before = change;
