@@ -30,7 +30,8 @@ AdaptiveOrderParams taylor(std::vector<int> orders) {
   params.spatial_sigma = 3;
   params.window_radius = 5;
   params.noise_threshold = 10;
-  params.ridge = params.curvature_ridge = 0;
+  params.ridge = 0;
+  params.curvature_ridge = params.ridge;
   return params;
 }
 
@@ -195,7 +196,8 @@ TEST_CASE("adaptive-order, Taylor: the error equals the plain double reference")
   fill_random(frame, 14);
   frame.at("R", 11, 8) = std::numeric_limits<float>::quiet_NaN();
   AdaptiveOrderParams params = taylor({0, 1, 3});
-  params.ridge = params.curvature_ridge = 3;
+  params.ridge = 3;
+  params.curvature_ridge = params.ridge;
   for (const std::vector<float>& sigmas : {std::vector<float>{}, std::vector<float>{2.0F, 6.0F}}) {
     params.range_sigmas = sigmas;
     const Source source(frame.frame(), inspect(frame.frame()));

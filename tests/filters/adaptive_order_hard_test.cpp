@@ -30,7 +30,8 @@ std::vector<AdaptiveOrderParams> banks() {
   for (const OrderError error : {OrderError::kRisk, OrderError::kTaylor}) {
     for (const float ridge : {0.0F, 3.0F}) {
       params.error = error;
-      params.ridge = params.curvature_ridge = ridge;
+      params.ridge = ridge;
+      if (ridge == 0.0F) params.curvature_ridge = ridge;
       params.range_sigmas = {0.7F, 4.0F};
       banks.push_back(params);
       params.range_sigmas.clear();

@@ -177,7 +177,7 @@ void AdaptiveOrderReference::add_equations(Window& window, std::size_t dimension
   window.equations.assign(n, Vector(n, 0.0));
   for (std::size_t a = 0; a < n; ++a) {
     for (std::size_t b = a; b < n; ++b) {
-      const float ridge = a <= dimensions ? params_.ridge : params_.curvature_ridge;
+      const float ridge = a <= dimensions ? params_.ridge : params_.curvature_ridge.value_or(30.0F);
       double sum = a > 0 && a == b ? static_cast<double>(ridge) : 0.0;
       for (std::size_t i = 0; i < window.rows.size(); ++i) {
         sum += window.neighbours[i].weight * window.rows[i][a] * window.rows[i][b];
