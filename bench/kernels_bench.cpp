@@ -4,12 +4,14 @@
 // docs/performance.md.
 #include <benchmark/benchmark.h>
 
+#include <type_traits>
 #include <variant>
 #include <vector>
 
 #include "filters/filter.hpp"
 #include "filters/taps.hpp"
 #include "kernels/guides.hpp"
+#include "kernels/local_polynomial.hpp"
 #include "synthetic_frame.hpp"
 
 namespace stein::bench {
@@ -25,6 +27,25 @@ double bank_flops(const CrossBilateralParams& params, const exec::TileLayout& la
         8.0 * kernels::kTapBatch * static_cast<double>(params.spatial_sigmas.size() - static_cast<std::size_t>(first));
   }
   return flops;
+}
+
+// Flops of the fits per pixel with SURE, seven features and all four directions that they can have,
+// docs/performance.md; without the smoothing of the features.
+double regression_flops(const AdaptiveOrderParams& params) {
+  constexpr double kFeatures = 7;
+  constexpr double kDirections = kernels::kMaxFeatureDimensions;
+  constexpr double kDimensions = kernels::kMaxDimensions;
+  const double side = 2.0 * params.window_radius + 1.0;
+  const double covariance = 1.0 + 5.0 * kFeatures + kFeatures * (kFeatures + 1.0);
+  const double eigenvectors = 6.0 * kFeatures * (kFeatures - 1.0) / 2.0 * (18.0 * kFeatures + 15.0);
+  const double distances = 29.0 + 54.0;
+  const double order = params.orders.back();
+  const double powers = 3.0 + kFeatures * (1.0 + 2.0 * kDirections) + 2.0 * (order - 1.0) * kDimensions;
+  const double columns = 1.0 + order * kDimensions;
+  double sigma = 2.0 * 18.0 + columns * (columns + 8.0);  // weights, normal equations
+  for (const int each : params.orders) sigma += 8.0 * each * kDimensions + 13.0;
+  const auto sigmas = static_cast<double>(params.range_sigmas.size());
+  return eigenvectors + side * side * (covariance + distances + 2.0 * powers + 15.0 + sigmas * sigma);
 }
 
 void run_filter(benchmark::State& state, const FilterSpec& spec, Divergence divergence) {
@@ -86,6 +107,12 @@ void run_passes(benchmark::State& state, const Params& params) {
     }
   }
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * kSize * kSize);
+  if constexpr (std::is_same_v<Params, AdaptiveOrderParams>) {
+    if (params.error == OrderError::kRisk) {
+      state.counters["flops"] =
+          benchmark::Counter(kSize * kSize * regression_flops(params), benchmark::Counter::kIsIterationInvariantRate);
+    }
+  }
   state.SetLabel(kernels::instruction_set());
 }
 

@@ -113,6 +113,8 @@ struct AdaptiveOrderParams {
   float noise_threshold = 2.0F;
   /// Pixels that speak against any slope: with a weight sum near this, polynomials come close to their mean. [0..1e6]
   float ridge = 0.3F;
+  /// The same for powers 2 and 3. None: 30, but `ridge` with OrderError::kTaylor, whose bias is what higher powers see.
+  std::optional<float> curvature_ridge;
 
   /// The features with a sigma are what is regressed on, at most 12 channels; only the smoothing of the risk makes use
   /// of the sigma's value.

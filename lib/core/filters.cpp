@@ -239,6 +239,7 @@ void AdaptiveOrderParams::check() const {
   require_in_range(prefix + "patch_blur", patch_blur, 0.0F, 1.0F);
   require_in_range(prefix + "noise_threshold", noise_threshold, 1.0F, 1e6F);
   require_in_range(prefix + "ridge", ridge, 0.0F, 1e6F, "px");
+  require_in_range(prefix + "curvature_ridge", curvature_ridge.value_or(0.0F), 0.0F, 1e6F, "px");
   guides.check(std::string(kName));
 }
 

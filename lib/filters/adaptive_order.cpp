@@ -27,7 +27,8 @@
 namespace stein {
 namespace {
 
-constexpr float kLargestSquare = 1e37F;  // of a residual; what is added to it stays finite
+constexpr float kLargestSquare = 1e37F;   // of a residual; what is added to it stays finite
+constexpr float kCurvatureRidge = 30.0F;  // px; why: docs/filters/adaptive_order.md, choices by measurement
 constexpr double kLog2E = std::numbers::log2e;
 
 NlmWindow window_of(const AdaptiveOrderParams& params) { return {params.window_radius, params.patch_radius}; }
@@ -61,6 +62,7 @@ class AdaptiveOrder final : public PreparedFilter {
     rows_.noise_threshold = params.noise_threshold;
     rows_.ridge = params.ridge;
     rows_.is_taylor = params.error == OrderError::kTaylor;
+    rows_.curvature_ridge = params.curvature_ridge.value_or(rows_.is_taylor ? params.ridge : kCurvatureRidge);
     for (const int order : params.orders) rows_.order[rows_.orders++] = order;
   }
 

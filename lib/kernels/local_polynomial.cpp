@@ -46,7 +46,9 @@ HWY_NOINLINE void solve_all(const LocalPolynomialRows& rows, const FitPixels& pi
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
   Factor factor;
   factor.columns = pixels.columns(fitted_order(rows));
+  factor.linear_columns = pixels.columns(1);
   factor.ridge = rows.ridge;
+  factor.curvature_ridge = rows.curvature_ridge;
   factor.rows = scratch;
   factor.inverse = scratch + normal_equation_sums(kMaxColumns) * lanes;
   HWY_ALIGN float higher[kSolutionParts * kMaxColumns * kMaxLanes];

@@ -35,7 +35,8 @@ struct LocalPolynomialRows {
   const float* feature_covariance[3][kMaxRegressionFeatures] = {};
   float noise_threshold = 0;  ///< times the noise that a direction's variance must exceed
 
-  float ridge = 0;  ///< pixels that speak for no slope
+  float ridge = 0;            ///< pixels that speak for no slope
+  float curvature_ridge = 0;  ///< and for no higher power
   int orders = 0;
   int order[kMaxOrders] = {};  ///< ascending
   /// divergence[] gets the error of AOS Eq. 16 in place of the divergence.

@@ -76,7 +76,9 @@ HWY_INLINE void add_normal_equations(FloatTag d, const TapBatch& batch, const Fl
 // orders.
 struct Factor {
   int columns = 0;
+  int linear_columns = 0;  // of powers 0 and 1
   float ridge = 0;
+  float curvature_ridge = 0;
   float* HWY_RESTRICT rows;     // as the normal equations: D L^T, and what is left of their right-hand sides
   float* HWY_RESTRICT inverse;  // of D; 0: the column depends on those before it
   FloatVec unit[kMaxColumns];   // of e
@@ -90,7 +92,8 @@ HWY_INLINE void factorise(FloatTag d, const float* HWY_RESTRICT sums, Factor& fa
   for (int a = 0; a < n; ++a) factor.unit[a] = hn::Set(d, a == 0 ? 1.0F : 0.0F);
   for (int k = 0; k < n; ++k) {
     float* HWY_RESTRICT row = factor.rows + row_of(n, k) * lanes;
-    const FloatVec own_ridge = hn::Set(d, k == 0 ? 0.0F : factor.ridge);
+    const float ridge = k < factor.linear_columns ? factor.ridge : factor.curvature_ridge;
+    const FloatVec own_ridge = hn::Set(d, k == 0 ? 0.0F : ridge);
     const FloatVec diagonal = hn::Add(hn::Load(d, sums + row_of(n, k) * lanes), own_ridge);
     const FloatVec pivot = hn::Add(hn::Load(d, row), own_ridge);
     const auto is_regular = hn::Gt(pivot, hn::Max(hn::Mul(diagonal, hn::Set(d, kSingular)), hn::Set(d, 1e-30F)));

@@ -233,6 +233,7 @@ TEST_CASE("Parameters of the adaptive-order bank are checked") {
   CHECK(refusal_after(+[](Params& p) { p.noise_threshold = 1e6F; }).empty());
   CHECK(refusal_after(+[](Params& p) { p.ridge = 0; }).empty());
   CHECK(refusal_after(+[](Params& p) { p.ridge = 1e6F; }).empty());
+  CHECK(refusal_after(+[](Params& p) { p.curvature_ridge = 0; }).empty());
   const std::vector<std::pair<std::string, std::string>> messages = {
       {refusal_of(&Params::orders, {}), "the number of orders is 0, must be in [1..3]"},
       {refusal_of(&Params::orders, {2}), "orders[0] is 2, must be 0, 1 or 3"},
@@ -256,6 +257,7 @@ TEST_CASE("Parameters of the adaptive-order bank are checked") {
       {refusal_after(+[](Params& p) { p.noise_threshold = 2e6F; }), "noise_threshold is 2e+06"},
       {refusal_after(+[](Params& p) { p.ridge = -1; }), "ridge is -1, must be in [0..1e+06]"},
       {refusal_after(+[](Params& p) { p.ridge = NAN; }), "ridge is nan"},
+      {refusal_after(+[](Params& p) { p.curvature_ridge = 2e6F; }), "curvature_ridge is 2e+06, must be in [0..1e+06]"},
       {refusal_after(+[](Params& p) { p.guides.other_feature_sigma = -1; }), "other_feature_sigma is -1"},
   };
   check_messages(messages, "adaptive-order");

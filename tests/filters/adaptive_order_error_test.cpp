@@ -181,6 +181,7 @@ TEST_CASE("adaptive-order, Taylor: the error equals the plain double reference")
   frame.at("R", 11, 8) = std::numeric_limits<float>::quiet_NaN();
   AdaptiveOrderParams params = taylor({0, 1, 3});
   params.ridge = 3;
+  params.curvature_ridge = params.ridge;
   for (const std::vector<float>& sigmas : {std::vector<float>{}, std::vector<float>{2.0F, 6.0F}}) {
     params.range_sigmas = sigmas;
     const Source source(frame.frame(), inspect(frame.frame()));

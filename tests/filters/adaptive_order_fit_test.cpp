@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -138,6 +139,7 @@ TEST_CASE("adaptive-order: more ridge brings polynomials closer to the mean") {
   for (const float ridge : {0.0F, 10.0F, 100.0F, 1000.0F}) {
     AdaptiveOrderParams params = plain_fit({1});
     params.ridge = ridge;
+    params.curvature_ridge = params.ridge;
     const double change = largest_change(run_filter(params, frame.frame()), 0, frame);
     CHECK(change >= before);
     before = change;
@@ -145,6 +147,34 @@ TEST_CASE("adaptive-order: more ridge brings polynomials closer to the mean") {
   const double mean = largest_change(run_filter(plain_fit({0}), frame.frame()), 0, frame);
   CHECK(before > 0.8 * mean);
   CHECK(before < mean);
+}
+
+TEST_CASE(
+    "adaptive-order: the ridge of powers 2 and 3 brings order 3 closer to order 1, and is 30 unless the error is "
+    "Taylor's") {
+  OwnedFrame frame(17, 15, {{"visibility", 1}});
+  fill_exact_feature(frame, 6);
+  fill_polynomial(frame, 3);
+  const auto distance = [&](OrderError error, std::optional<float> curvature_ridge) {
+    AdaptiveOrderParams params = plain_fit({1, 3});
+    params.error = error;
+    params.ridge = 0.5F;
+    params.curvature_ridge = curvature_ridge;
+    const BankResult bank = run_filter(params, frame.frame());
+    double sum = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (int y = 0; y < 15; ++y) {
+        for (int x = 0; x < 17; ++x) sum += std::abs(bank.result[0][c].row(y)[x] - bank.result[1][c].row(y)[x]);
+      }
+    }
+    return sum;
+  };
+  const double free = distance(OrderError::kRisk, 0.5F);
+  const double usual = distance(OrderError::kRisk, 30.0F);
+  CHECK(usual < 0.9 * free);
+  CHECK(distance(OrderError::kRisk, 1e6F) < 0.01 * usual);
+  CHECK(distance(OrderError::kRisk, {}) == usual);
+  CHECK(distance(OrderError::kTaylor, {}) == free);
 }
 
 TEST_CASE("adaptive-order: a constant added to the colour is added to the result") {

@@ -31,6 +31,7 @@ std::vector<AdaptiveOrderParams> banks() {
     for (const float ridge : {0.0F, 3.0F}) {
       params.error = error;
       params.ridge = ridge;
+      if (ridge == 0.0F) params.curvature_ridge = ridge;
       params.range_sigmas = {0.7F, 4.0F};
       banks.push_back(params);
       params.range_sigmas.clear();

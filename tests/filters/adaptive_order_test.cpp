@@ -28,6 +28,7 @@ AdaptiveOrderParams small_bank() {
   params.patch_blur = 1.0F;
   params.noise_threshold = 10.0F;
   params.ridge = 3.0F;
+  params.curvature_ridge = 7.0F;
   return params;
 }
 
@@ -194,6 +195,7 @@ TEST_CASE("adaptive-order: a feature that is the position changes nothing, and i
   AdaptiveOrderParams params = small_bank();
   params.orders = {1};
   params.ridge = 0;
+  params.curvature_ridge = params.ridge;
   params.range_sigmas = {9.0F};
   const BankResult expected = run_filter(params, without.frame());
   const BankResult found = run_filter(params, with.frame());
@@ -223,6 +225,7 @@ TEST_CASE("adaptive-order: equals the reference where features repeat each other
   check_agreement(small_bank(), frame.frame(), {Divergence::kPlain, 17, 5});
   AdaptiveOrderParams without_ridge = spatial_bank();
   without_ridge.ridge = 0;
+  without_ridge.curvature_ridge = without_ridge.ridge;
   without_ridge.orders = {0, 1};
   check_agreement(without_ridge, frame.frame(), {Divergence::kPlain, 17, 5});
 }
@@ -253,6 +256,7 @@ TEST_CASE("adaptive-order: the joint divergence takes in covariances with featur
   fill_random(frame, 22);
   AdaptiveOrderParams params = small_bank();
   params.ridge = 0;
+  params.curvature_ridge = params.ridge;
   params.range_sigmas = {9.0F};
   params.window_radius = 6;
   check_agreement(params, frame.frame(), {Divergence::kJoint, 61, 1});

@@ -24,6 +24,7 @@ inline AdaptiveOrderParams plain_fit(std::vector<int> orders) {
   params.window_radius = 4;
   params.noise_threshold = 10;
   params.ridge = 0;
+  params.curvature_ridge = params.ridge;
   return params;
 }
 

@@ -172,12 +172,13 @@ AdaptiveOrderReference::Vector AdaptiveOrderReference::row_of(int order, const V
   return row;
 }
 
-void AdaptiveOrderReference::add_equations(Window& window) const {
+void AdaptiveOrderReference::add_equations(Window& window, std::size_t dimensions) const {
   const std::size_t n = window.rows.empty() ? 1 : window.rows[0].size();
   window.equations.assign(n, Vector(n, 0.0));
   for (std::size_t a = 0; a < n; ++a) {
     for (std::size_t b = a; b < n; ++b) {
-      double sum = a > 0 && a == b ? static_cast<double>(params_.ridge) : 0.0;
+      const float ridge = a <= dimensions ? params_.ridge : params_.curvature_ridge.value_or(30.0F);
+      double sum = a > 0 && a == b ? static_cast<double>(ridge) : 0.0;
       for (std::size_t i = 0; i < window.rows.size(); ++i) {
         sum += window.neighbours[i].weight * window.rows[i][a] * window.rows[i][b];
       }
@@ -211,7 +212,7 @@ AdaptiveOrderReference::Window AdaptiveOrderReference::window(int order, double 
     const double distance = (other.x - x) * (other.x - x) + (other.y - y) * (other.y - y);
     other.weight *= std::exp(-distance / (2.0 * params_.spatial_sigma * params_.spatial_sigma));
   }
-  add_equations(window);
+  add_equations(window, 2 + basis.size());
   return window;
 }
 

@@ -51,7 +51,7 @@ class AdaptiveOrderReference {
   [[nodiscard]] const Matrix& directions(int x, int y) const;
   [[nodiscard]] Vector read_at(int x, int y, const Nudge& nudge) const;
   [[nodiscard]] static Vector row_of(int order, const Vector& first);
-  void add_equations(Window& window) const;
+  void add_equations(Window& window, std::size_t dimensions) const;
   [[nodiscard]] Window window(int order, double sigma_r, int x, int y, const Nudge& nudge) const;
   [[nodiscard]] static Vector coefficients(const Window& window, std::size_t channel);
   [[nodiscard]] static Eigen decompose(Matrix a);
