@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Rows of samples: a window that slides down the image.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "rpf/record_layout.hpp"
+
+namespace stein::rpf {
+
+inline constexpr int kMostPasses = 4;
+inline constexpr int kColourStride = 4;  ///< of filtered colours: R, G, B and nothing
+
+struct SampleRow {
+  std::vector<std::uint32_t> first;  ///< number of the first sample of each pixel, and that of all
+  std::vector<float> records;        ///< RecordLayout
+  std::array<std::vector<float>, kMostPasses> colours;  ///< of each sample after pass 0, 1, ...
+  std::array<std::vector<float>, kMostPasses> pixels;   ///< of each pixel, three: their means
+};
+
+struct SampleCounts {
+  std::int64_t samples = 0;
+  std::int64_t rejected = 0;
+  std::int64_t repaired = 0;
+  std::int64_t empty_pixels = 0;
+};
+
+class SampleRows {
+ public:
+  SampleRows(const SampleSource& source, const RecordLayout& layout, int passes, int capacity);
+
+  [[nodiscard]] int width() const noexcept { return source_.width; }
+  [[nodiscard]] int height() const noexcept { return source_.height; }
+  [[nodiscard]] const RecordLayout& layout() const noexcept { return layout_; }
+  [[nodiscard]] int rows_read() const noexcept { return rows_read_; }
+  [[nodiscard]] const SampleCounts& counts() const noexcept { return counts_; }
+  [[nodiscard]] SampleRow& row(int y) noexcept { return ring_[static_cast<std::size_t>(y) % ring_.size()]; }
+  [[nodiscard]] const SampleRow& row(int y) const noexcept { return ring_[static_cast<std::size_t>(y) % ring_.size()]; }
+
+  /// The next row, in the place of the one `capacity` rows above.
+  void read_row();
+
+ private:
+  void add_sample(const float* sample, int x, SampleRow& row);
+
+  const SampleSource& source_;
+  const RecordLayout& layout_;
+  int passes_;
+  int rows_read_ = 0;
+  std::vector<SampleRow> ring_;
+  std::vector<std::uint32_t> row_counts_;
+  std::vector<float> row_samples_;
+  SampleCounts counts_;
+};
+
+}  // namespace stein::rpf
