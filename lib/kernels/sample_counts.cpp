@@ -3,6 +3,7 @@
 
 // The instruction that counts bits comes with a set that the other kernels have no use for.
 #undef HWY_DISABLED_TARGETS
+#define HWY_WANT_AVX3_DL
 #define HWY_DISABLED_TARGETS HWY_SSSE3
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/sample_counts.cpp"

@@ -46,7 +46,8 @@ void GatherTarget(const float* const* records, const std::int32_t* kept, int cou
     const float* record[kMaxLanes];
     for (int i = 0; i < lanes; ++i) record[i] = records[kept[first + i < count ? first + i : 0]];
     for (int k = 0; k < columns; k += kRecordGroup) {
-      for (int i = 0; i < lanes; ++i) __builtin_memcpy(block + i * kRecordGroup, record[i] + k, sizeof(float) * kRecordGroup);
+      for (int i = 0; i < lanes; ++i)
+        __builtin_memcpy(block + i * kRecordGroup, record[i] + k, sizeof(float) * kRecordGroup);
       FloatVec a, b, c, e;
       hn::LoadInterleaved4(d, block, a, b, c, e);
       float* out = planes + k * pitch + first;
@@ -185,9 +186,7 @@ void gather_samples(const float* const* records, const std::int32_t* kept, int c
   HWY_DYNAMIC_DISPATCH(GatherTarget)(records, kept, count, columns, planes, pitch);
 }
 
-PlaneMoments sample_moments(const float* plane, int count) {
-  return HWY_DYNAMIC_DISPATCH(MomentsTarget)(plane, count);
-}
+PlaneMoments sample_moments(const float* plane, int count) { return HWY_DYNAMIC_DISPATCH(MomentsTarget)(plane, count); }
 
 int sample_codes(const float* plane, const PlaneMoments& moments, int count, std::uint8_t* codes) {
   return HWY_DYNAMIC_DISPATCH(CodesTarget)(plane, moments, count, codes);

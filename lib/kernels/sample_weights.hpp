@@ -9,13 +9,13 @@
 
 namespace stein::kernels {
 
-inline constexpr int kSampleBlock = 64;   ///< planes of samples are padded to a multiple of this
-inline constexpr int kRecordGroup = 4;    ///< the size of records is a multiple of this
+inline constexpr int kSampleBlock = 64;  ///< planes of samples are padded to a multiple of this
+inline constexpr int kRecordGroup = 4;   ///< the size of records is a multiple of this
 inline constexpr int kMostSampleCode = 31;
 
 /// Of `count` records, those whose first `columns` values all lie within [low, high]; columns, low and high are padded
-/// to a multiple of 16 values that pass. Their numbers go to `kept` in order. Returns how many they are. Records must be
-/// readable up to the padded number of columns.
+/// to a multiple of 16 values that pass. Their numbers go to `kept` in order. Returns how many they are. Records must
+/// be readable up to the padded number of columns.
 int keep_similar_samples(const float* const* records, int count, const float* low, const float* high, int columns,
                          std::int32_t* kept);
 
@@ -32,8 +32,8 @@ struct PlaneMoments {
 };
 PlaneMoments sample_moments(const float* plane, int count);
 
-/// Bins of one standard deviation: code = round((x - least) / deviation), RPF sec. 4.4.3; at most kMostSampleCode. Up to
-/// the next multiple of kSampleBlock codes are 255. Returns the number of bins.
+/// Bins of one standard deviation: code = round((x - least) / deviation), RPF sec. 4.4.3; at most kMostSampleCode. Up
+/// to the next multiple of kSampleBlock codes are 255. Returns the number of bins.
 int sample_codes(const float* plane, const PlaneMoments& moments, int count, std::uint8_t* codes);
 
 /// out = (in - mean) * scale, up to the next multiple of kSampleBlock.

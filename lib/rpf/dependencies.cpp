@@ -21,7 +21,7 @@ float sum(const std::array<float, 3>& values) { return values[0] + values[1] + v
 
 }  // namespace
 
-DependencyMeter::DependencyMeter(const RecordLayout& layout) : layout_(layout) {
+DependencyMeter::DependencyMeter(const RecordLayout& layout, float floor) : layout_(layout), floor_(floor) {
   const auto columns = static_cast<std::size_t>(layout.columns());
   const auto features = static_cast<std::size_t>(layout.features);
   constexpr std::size_t kMostBins = kernels::kMostSampleCode + 1;
@@ -49,7 +49,8 @@ void DependencyMeter::make_codes(const SamplePlanes& planes, const kernels::Plan
   for (int k = 0; k < columns; ++k) {
     std::uint8_t* codes = codes_.data() + static_cast<std::ptrdiff_t>(k) * padded;
     first_row_[static_cast<std::size_t>(k) + 1] =
-        first_row_[static_cast<std::size_t>(k)] + kernels::sample_codes(planes.column(k), moments[k], planes.count, codes);
+        first_row_[static_cast<std::size_t>(k)] +
+        kernels::sample_codes(planes.column(k), moments[k], planes.count, codes);
   }
   pitch_ = (first_row_.back() + 2 * kLanes - 1) / kLanes * kLanes;  // whole vectors from any row on
   const std::size_t words = size / 32 * static_cast<std::size_t>(pitch_);
@@ -69,12 +70,19 @@ void DependencyMeter::make_codes(const SamplePlanes& planes, const kernels::Plan
   }
 }
 
+int DependencyMeter::used_bins(int column) const {
+  const auto k = static_cast<std::size_t>(column);
+  int used = 0;
+  for (int r = first_row_[k]; r < first_row_[k + 1]; ++r) used += row_count_[static_cast<std::size_t>(r)] > 0 ? 1 : 0;
+  return used;
+}
+
 // Eq. 8 with p = n / N: sum n_xy/N log(N n_xy / (n_x n_y)) = log N + (sum n_xy log n_xy - sum n_x log n_x -
-// sum n_y log n_y) / N.
+// sum n_y log n_y) / N. Of independent vectors that is (bins_x - 1)(bins_y - 1) / 2N on average (Miller 1955).
 void DependencyMeter::mutual_information(int x, int first_y, int end_y, float* out) {
   const auto at = [](int k) { return static_cast<std::size_t>(k); };
-  const kernels::CodeBits bits{words_.data(), pitch_,
-                               (count_ + kernels::kSampleBlock - 1) / kernels::kSampleBlock * kernels::kSampleBlock / 32};
+  const kernels::CodeBits bits{
+      words_.data(), pitch_, (count_ + kernels::kSampleBlock - 1) / kernels::kSampleBlock * kernels::kSampleBlock / 32};
   const int first_row = first_row_[at(first_y)];
   kernels::joint_entropy_sums(bits, n_log_n_.data(), first_row_[at(x)], first_row_[at(x) + 1], first_row,
                               first_row_[at(end_y)], joint_.data());
@@ -83,7 +91,8 @@ void DependencyMeter::mutual_information(int x, int first_y, int end_y, float* o
     const float joint = std::accumulate(joint_.begin() + (first_row_[at(y)] - first_row),
                                         joint_.begin() + (first_row_[at(y) + 1] - first_row), 0.0F);
     const float information = std::log(n) + (joint - own_[at(x)] - own_[at(y)]) / n;
-    out[y - first_y] = std::max(information, 0.0F);  // rounding
+    const float freedom = static_cast<float>((used_bins(x) - 1) * (used_bins(y) - 1));
+    out[y - first_y] = std::max(information - floor_ * freedom / (2.0F * n), 0.0F);
   }
 }
 
@@ -107,8 +116,7 @@ const Dependencies& DependencyMeter::measure(const SamplePlanes& planes, const k
     mutual_information(layout_.colour() + c, 0, layout_.features, pair_.data());
     for (std::size_t k = 0; k < result_.colour_on_feature.size(); ++k) result_.colour_on_feature[k] += pair_[k];
   }
-  result_.colour_feature =
-      std::accumulate(result_.colour_on_feature.begin(), result_.colour_on_feature.end(), 0.0F);
+  result_.colour_feature = std::accumulate(result_.colour_on_feature.begin(), result_.colour_on_feature.end(), 0.0F);
   return result_;
 }
 
@@ -124,8 +132,9 @@ void weigh(const Dependencies& d, float growth, FilterWeights& weights) {
   weights.beta.resize(d.feature_random.size());
   for (std::size_t k = 0; k < weights.beta.size(); ++k) {
     const float W_fr = fraction(d.feature_random[k], d.feature_position[k]);  // Eq. 3
-    const float W_cf = fraction(d.colour_on_feature[k], D_cr + D_cp + d.colour_feature - d.colour_on_feature[k]);  // Eq. 12
-    weights.beta[k] = W_cf * std::max(1.0F - grown * W_fr, 0.0F);             // Eq. 5
+    const float W_cf =
+        fraction(d.colour_on_feature[k], D_cr + D_cp + d.colour_feature - d.colour_on_feature[k]);  // Eq. 12
+    weights.beta[k] = W_cf * std::max(1.0F - grown * W_fr, 0.0F);                                   // Eq. 5
   }
 }
 

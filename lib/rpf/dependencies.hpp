@@ -25,12 +25,12 @@ struct SamplePlanes {
 
 /// Sums of mutual information, in nats.
 struct Dependencies {
-  std::array<float, 3> colour_random{};       ///< D_c^r,k, Eq. 11
-  std::array<float, 3> colour_position{};     ///< D_c^p,k, Eq. 11
-  float colour_feature = 0;                   ///< D_c^f, Eq. 12 and 13
-  std::vector<float> feature_random;          ///< D_f^r,k, Eq. 9
-  std::vector<float> feature_position;        ///< D_f^p,k, Eq. 10
-  std::vector<float> colour_on_feature;       ///< D_c^f,k of each feature, summed over the colour channels
+  std::array<float, 3> colour_random{};    ///< D_c^r,k, Eq. 11
+  std::array<float, 3> colour_position{};  ///< D_c^p,k, Eq. 11
+  float colour_feature = 0;                ///< D_c^f, Eq. 12 and 13
+  std::vector<float> feature_random;       ///< D_f^r,k, Eq. 9
+  std::vector<float> feature_position;     ///< D_f^p,k, Eq. 10
+  std::vector<float> colour_on_feature;    ///< D_c^f,k of each feature, summed over the colour channels
 };
 
 /// What the filter makes of them.
@@ -43,7 +43,8 @@ struct FilterWeights {
 /// Works out dependencies; keeps its memory between sets of samples.
 class DependencyMeter {
  public:
-  explicit DependencyMeter(const RecordLayout& layout);
+  /// `floor`: RpfParams::information_floor.
+  DependencyMeter(const RecordLayout& layout, float floor);
 
   /// `moments`: of each column.
   const Dependencies& measure(const SamplePlanes& planes, const kernels::PlaneMoments* moments);
@@ -51,20 +52,22 @@ class DependencyMeter {
  private:
   void make_codes(const SamplePlanes& planes, const kernels::PlaneMoments* moments);
   void make_entropies(int count);
+  [[nodiscard]] int used_bins(int column) const;
   /// out[y - first_y] = mutual information of column x and each of the columns [first_y, end_y).
   void mutual_information(int x, int first_y, int end_y, float* out);
 
   const RecordLayout& layout_;
+  float floor_;
   int count_ = 0;
-  std::vector<int> first_row_;           // of each column's bins, and of all
-  std::vector<std::uint8_t> codes_;      // column by column
+  std::vector<int> first_row_;       // of each column's bins, and of all
+  std::vector<std::uint8_t> codes_;  // column by column
   std::vector<std::uint32_t> words_;
   std::ptrdiff_t pitch_ = 0;
   std::vector<std::int32_t> row_count_;
-  std::vector<float> n_log_n_;           // n log n
-  std::vector<float> own_;               // of each column: sum of n log n over its bins
-  std::vector<float> joint_;             // sums of the rows of one call
-  std::vector<float> pair_;              // mutual information of the pairs of one column
+  std::vector<float> n_log_n_;  // n log n
+  std::vector<float> own_;      // of each column: sum of n log n over its bins
+  std::vector<float> joint_;    // sums of the rows of one call
+  std::vector<float> pair_;     // mutual information of the pairs of one column
   Dependencies result_;
 };
 

@@ -5,21 +5,13 @@
 
 #include <cmath>
 
+#include "core/hash.hpp"
+
 namespace stein::rpf {
 namespace {
 
-constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15ULL;
-
-std::uint64_t mixed(std::uint64_t z) noexcept {  // the finaliser of SplitMix64
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-  return z ^ (z >> 31);
-}
-
 std::uint64_t stream_of(const DrawKey& key) noexcept {
-  const std::uint64_t pixel = (static_cast<std::uint64_t>(static_cast<std::uint32_t>(key.y)) << 32U) |
-                              static_cast<std::uint32_t>(key.x);
-  return mixed(mixed(key.seed + kGolden * static_cast<std::uint64_t>(key.pass + 1)) + pixel);
+  return mixed(mixed(key.seed + kGoldenRatioBits * static_cast<std::uint64_t>(key.pass + 1)) + pixel_key(key.x, key.y));
 }
 
 double normal_distribution(double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); }
@@ -46,7 +38,7 @@ void draw_neighbours(const DrawKey& key, const OffsetTable& table, const std::ve
   const std::uint64_t stream = stream_of(key);
   const int end = list.size() + wanted;
   for (int q = 0; q < kTries * wanted && list.size() < end; ++q) {
-    const std::uint64_t bits = mixed(stream + kGolden * static_cast<std::uint64_t>(q + 1));
+    const std::uint64_t bits = mixed(stream + kGoldenRatioBits * static_cast<std::uint64_t>(q + 1));
     const std::uint64_t frame = ((bits >> 24U & 0xFFU) * frames.size()) >> 8U;
     const int dx = table[bits & kMask];
     const int dy = table[bits >> OffsetTable::kBits & kMask];

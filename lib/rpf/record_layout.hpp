@@ -16,13 +16,14 @@ namespace stein::rpf {
 struct RecordLayout {
   int features = 0;
   int randoms = 0;
-  int stride = 0;                ///< columns with the padding
-  int source_channels = 0;       ///< floats of a sample as the source gives it
-  std::vector<int> feature_from;     ///< channel of the source, per feature column
-  std::vector<int> random_from;      ///< per random column, without the first bounce's direction
-  std::vector<bool> is_location;     ///< per feature column: varies over any surface
+  int stride = 0;                  ///< columns with the padding
+  int source_channels = 0;         ///< floats of a sample as the source gives it
+  std::vector<int> feature_from;   ///< channel of the source, per feature column
+  std::vector<int> random_from;    ///< per random column, without the first bounce's direction
+  std::vector<bool> is_location;   ///< per feature column: varies over any surface
+  std::vector<bool> is_clustered;  ///< per feature column: rejects neighbours
   std::array<int, 2> pixel_from = {-1, -1};
-  std::array<int, 3> position_from = {-1, -1, -1};   ///< of the first and of the second hit, where the direction between
+  std::array<int, 3> position_from = {-1, -1, -1};  ///< of the first and of the second hit, where the direction between
   std::array<int, 3> position2_from = {-1, -1, -1};  ///< them stands in for the light's random parameters
   std::vector<std::string> feature_names;
   std::vector<std::string> random_names;
