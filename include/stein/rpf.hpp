@@ -39,7 +39,8 @@ struct SampleSource {
   std::function<void(std::vector<std::uint32_t>& counts, std::vector<float>& samples)> next_row;
 };
 
-/// What becomes of a sample that still differs from its pixel's mean by more than a standard deviation after a pass.
+/// What becomes of a sample that still differs from its pixel's mean by more than a standard deviation (or as many as are set) after a
+/// pass.
 enum class RpfSpikes : std::uint8_t {
   kKeep,   ///< nothing
   kReset,  ///< it gets the mean (sec. 4.5.2); what it held beyond that is lost
@@ -84,6 +85,7 @@ struct RpfParams {
   float pass_growth = 0.1F;
   RpfColourUnit colour_unit = RpfColourUnit::kRendered;
   RpfSpikes spikes = RpfSpikes::kShare;
+  float spike_deviations = 1.0F;  ///< [0..100] standard deviations beyond which a sample is a spike. Sec. 4.5.2
 
   /// Names of the features and of the random parameters to use; empty: all.
   std::vector<std::string> features;

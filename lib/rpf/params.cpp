@@ -40,6 +40,7 @@ void RpfParams::check() const {
   require_in_range("rpf: least_deviation", least_deviation, 0.0F, 1e6F);
   require_in_range("rpf: information_floor", information_floor, 0.0F, 1.0F);
   require_in_range("rpf: pass_growth", pass_growth, 0.0F, 1.0F);
+  require_in_range("rpf: spike_deviations", spike_deviations, 0.0F, 100.0F);
   require_in_range("rpf: search_radius", static_cast<float>(search_radius), 0.0F, 32.0F, "px");
   require_in_range("rpf: draws", static_cast<float>(draws), 0.0F, 16.0F);
   require_in_range("rpf: step", step, 1e-3F, 1.0F);

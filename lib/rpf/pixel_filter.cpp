@@ -145,6 +145,7 @@ void PixelFilter::filter() {
 void PixelFilter::settle_spikes() {
   if (params_.spikes == RpfSpikes::kKeep) return;
   const auto n = static_cast<float>(own_);
+  const float threshold = params_.spike_deviations * params_.spike_deviations;
   std::array<float, 3> mean{};
   std::array<float, 3> squares{};
   std::array<float, 3> removed{};
@@ -156,7 +157,7 @@ void PixelFilter::settle_spikes() {
   for (std::size_t i = 0; i < result_.size(); i += 3) {
     const auto is_far = [&](std::size_t c) {
       const float e = result_[i + c] - mean[c];
-      return e * e > squares[c];
+      return e * e > threshold * squares[c];
     };
     if (!is_far(0) && !is_far(1) && !is_far(2)) continue;
     for (std::size_t c = 0; c < 3; ++c) {
