@@ -59,33 +59,29 @@ void GatherTarget(const float* const* records, const std::int32_t* kept, int cou
   }
 }
 
+// What pads a plane up to whole vectors is one of its values: it does not matter to the least and the largest.
 PlaneMoments MomentsTarget(const float* plane, int count) {
   const FloatTag d;
   const auto lanes = static_cast<int>(hn::Lanes(d));
-  const int whole = count / lanes * lanes;
-  const auto rest = hn::FirstN(d, static_cast<std::size_t>(count - whole));
-  // What pads the plane is one of its values: it does not matter to the least and the largest.
-  FloatVec sum = hn::IfThenElseZero(rest, hn::Load(d, plane + whole));
+  FloatVec sum = hn::Zero(d);
   FloatVec least = hn::Load(d, plane);
   FloatVec largest = least;
-  for (int i = 0; i < whole; i += lanes) {
+  for (int i = 0; i < count; i += lanes) {
     const FloatVec x = hn::Load(d, plane + i);
-    sum = hn::Add(sum, x);
+    sum = hn::Add(sum, hn::IfThenElseZero(hn::FirstN(d, static_cast<std::size_t>(count - i)), x));
     least = hn::Min(least, x);
     largest = hn::Max(largest, x);
   }
-  least = hn::Min(least, hn::Load(d, plane + whole));
-  largest = hn::Max(largest, hn::Load(d, plane + whole));
   PlaneMoments moments;
   moments.least = hn::GetLane(hn::MinOfLanes(d, least));
   moments.largest = hn::GetLane(hn::MaxOfLanes(d, largest));
   moments.mean = hn::GetLane(hn::SumOfLanes(d, sum)) / static_cast<float>(count);
   if (!(moments.largest > moments.least)) return moments;
   const FloatVec mean = hn::Set(d, moments.mean);
-  const FloatVec last = hn::IfThenElseZero(rest, hn::Sub(hn::Load(d, plane + whole), mean));
-  FloatVec squares = hn::Mul(last, last);
-  for (int i = 0; i < whole; i += lanes) {
-    const FloatVec e = hn::Sub(hn::Load(d, plane + i), mean);
+  FloatVec squares = hn::Zero(d);
+  for (int i = 0; i < count; i += lanes) {
+    const auto valid = hn::FirstN(d, static_cast<std::size_t>(count - i));
+    const FloatVec e = hn::IfThenElseZero(valid, hn::Sub(hn::Load(d, plane + i), mean));
     squares = hn::MulAdd(e, e, squares);
   }
   const float variance = hn::GetLane(hn::SumOfLanes(d, squares)) / static_cast<float>(count);
