@@ -39,8 +39,8 @@ struct SampleSource {
   std::function<void(std::vector<std::uint32_t>& counts, std::vector<float>& samples)> next_row;
 };
 
-/// What becomes of a sample that still differs from its pixel's mean by more than a standard deviation (or as many as are set) after a
-/// pass.
+/// What becomes of a sample that still differs from its pixel's mean by more than a standard deviation (or as many as
+/// are set) after a pass.
 enum class RpfSpikes : std::uint8_t {
   kKeep,   ///< nothing
   kReset,  ///< it gets the mean (sec. 4.5.2); what it held beyond that is lost
@@ -61,18 +61,18 @@ struct RpfParams {
   /// Widths of the passes' boxes, odd, each [3..127] px; 1 to 4 passes. Sec. 4.2
   std::vector<int> boxes = {55, 35, 17, 7};
   /// Samples of the neighbourhood, the pixel's own included, as a fraction of all that a box has; one per box, (0..1].
-  std::vector<float> shares = {0.02F, 0.04F, 0.3F, 0.5F};
+  std::vector<float> shares = {0.015F, 0.03F, 0.12F, 0.4F};
 
   /// sigma_8^2 of sec. 4.5.1 for colours and for features, [1e-6..100]: see kRpfNoisy and kRpfDetail.
   float colour_variance = 0.02F;
   float feature_variance = 0.002F;
   /// Least 1 - W_c^r that divides the variance of the features, [0..1]; 0: the paper's.
-  float least_feature_share = 0.0F;
+  float least_feature_share = 0.1F;
 
   /// Standard deviations of the pixel's own samples within which a neighbour's features must lie, [0.1..1e6]; the
   /// second is for features that vary over any surface (position, depth). Sec. 4.3.1
-  float cluster_deviations = 3.0F;
-  float location_deviations = 30.0F;
+  float cluster_deviations = 2.0F;
+  float location_deviations = 20.0F;
   /// What other features may differ by in any case, [0..1e6].
   float least_deviation = 0.1F;
   /// Features that reject no neighbour: they are random themselves, and what is rare in them would be rejected.
@@ -82,7 +82,7 @@ struct RpfParams {
   /// [0..1]; 0: the paper's.
   float information_floor = 1.0F;
   /// Growth of the random parameters' part in alpha and beta from pass to pass, [0..1]. Sec. 4.4.2
-  float pass_growth = 0.1F;
+  float pass_growth = 0.0F;
   RpfColourUnit colour_unit = RpfColourUnit::kRendered;
   RpfSpikes spikes = RpfSpikes::kShare;
   float spike_deviations = 1.0F;  ///< [0..100] standard deviations beyond which a sample is a spike. Sec. 4.5.2

@@ -54,8 +54,8 @@ HWY_INLINE WordVec shared_bits(WordTag d, const CodeBits& bits, int x, int y) {
   return count;
 }
 
-void JointTarget(const CodeBits& bits, const float* entropy, int first_x, int end_x, int first_y, int end_y,
-                 float* sums) {
+void JointTarget(const CodeBits& bits, const std::int32_t* counts, const float* entropy, int first_x, int end_x,
+                 int first_y, int end_y, float* sums) {
   const WordTag d;
   const hn::RebindToSigned<WordTag> di;
   const hn::RebindToFloat<WordTag> df;
@@ -63,6 +63,7 @@ void JointTarget(const CodeBits& bits, const float* entropy, int first_x, int en
   for (int y = first_y; y < end_y; y += lanes) {
     auto sum = hn::Zero(df);
     for (int x = first_x; x < end_x; ++x) {
+      if (counts[x] == 0) continue;  // outliers leave many bins empty
       sum = hn::Add(sum, hn::GatherIndex(df, entropy, hn::BitCast(di, shared_bits(d, bits, x, y))));
     }
     hn::StoreU(sum, df, sums + (y - first_y));
@@ -96,9 +97,9 @@ void code_rows(const std::uint8_t* codes, int first_row, int bins, const CodeBit
   HWY_DYNAMIC_DISPATCH(CodeRowsTarget)(codes, first_row, bins, bits);
 }
 
-void joint_entropy_sums(const CodeBits& bits, const float* entropy, int first_x, int end_x, int first_y, int end_y,
-                        float* sums) {
-  HWY_DYNAMIC_DISPATCH(JointTarget)(bits, entropy, first_x, end_x, first_y, end_y, sums);
+void joint_entropy_sums(const CodeBits& bits, const std::int32_t* counts, const float* entropy, int first_x, int end_x,
+                        int first_y, int end_y, float* sums) {
+  HWY_DYNAMIC_DISPATCH(JointTarget)(bits, counts, entropy, first_x, end_x, first_y, end_y, sums);
 }
 
 void row_counts(const CodeBits& bits, int rows, std::int32_t* counts) {

@@ -27,6 +27,7 @@ DependencyMeter::DependencyMeter(const RecordLayout& layout, float floor) : layo
   constexpr std::size_t kMostBins = kernels::kMostSampleCode + 1;
   first_row_.resize(columns + 1);
   own_.resize(columns);
+  freedom_.resize(columns);
   pair_.resize(columns);
   row_count_.resize(columns * kMostBins + kLanes);
   joint_.resize(columns * kMostBins + kLanes);
@@ -62,19 +63,19 @@ void DependencyMeter::make_codes(const SamplePlanes& planes, const kernels::Plan
                        first_row_[static_cast<std::size_t>(k) + 1] - first, bits);
   }
   kernels::row_counts(bits, first_row_.back(), row_count_.data());
-  for (std::size_t k = 0; k < own_.size(); ++k) {
-    own_[k] = 0;
-    for (int r = first_row_[k]; r < first_row_[k + 1]; ++r) {
-      own_[k] += n_log_n_[static_cast<std::size_t>(row_count_[static_cast<std::size_t>(r)])];
-    }
-  }
+  count_bins();
 }
 
-int DependencyMeter::used_bins(int column) const {
-  const auto k = static_cast<std::size_t>(column);
-  int used = 0;
-  for (int r = first_row_[k]; r < first_row_[k + 1]; ++r) used += row_count_[static_cast<std::size_t>(r)] > 0 ? 1 : 0;
-  return used;
+void DependencyMeter::count_bins() {
+  for (std::size_t k = 0; k < own_.size(); ++k) {
+    own_[k] = 0;
+    freedom_[k] = -1;
+    for (int r = first_row_[k]; r < first_row_[k + 1]; ++r) {
+      const std::int32_t n = row_count_[static_cast<std::size_t>(r)];
+      own_[k] += n_log_n_[static_cast<std::size_t>(n)];
+      freedom_[k] += n > 0 ? 1.0F : 0.0F;
+    }
+  }
 }
 
 // Eq. 8 with p = n / N: sum n_xy/N log(N n_xy / (n_x n_y)) = log N + (sum n_xy log n_xy - sum n_x log n_x -
@@ -84,15 +85,15 @@ void DependencyMeter::mutual_information(int x, int first_y, int end_y, float* o
   const kernels::CodeBits bits{
       words_.data(), pitch_, (count_ + kernels::kSampleBlock - 1) / kernels::kSampleBlock * kernels::kSampleBlock / 32};
   const int first_row = first_row_[at(first_y)];
-  kernels::joint_entropy_sums(bits, n_log_n_.data(), first_row_[at(x)], first_row_[at(x) + 1], first_row,
-                              first_row_[at(end_y)], joint_.data());
-  const auto n = static_cast<float>(count_);
+  kernels::joint_entropy_sums(bits, row_count_.data(), n_log_n_.data(), first_row_[at(x)], first_row_[at(x) + 1],
+                              first_row, first_row_[at(end_y)], joint_.data());
+  const float inverse = 1.0F / static_cast<float>(count_);
+  const float all = n_log_n_[static_cast<std::size_t>(count_)] - own_[at(x)];
   for (int y = first_y; y < end_y; ++y) {
-    const float joint = std::accumulate(joint_.begin() + (first_row_[at(y)] - first_row),
-                                        joint_.begin() + (first_row_[at(y) + 1] - first_row), 0.0F);
-    const float information = std::log(n) + (joint - own_[at(x)] - own_[at(y)]) / n;
-    const float freedom = static_cast<float>((used_bins(x) - 1) * (used_bins(y) - 1));
-    out[y - first_y] = std::max(information - floor_ * freedom / (2.0F * n), 0.0F);
+    float joint = 0;
+    for (int r = first_row_[at(y)]; r < first_row_[at(y) + 1]; ++r) joint += joint_[at(r - first_row)];
+    const float chance = 0.5F * floor_ * freedom_[at(x)] * freedom_[at(y)];
+    out[y - first_y] = std::max((all + joint - own_[at(y)] - chance) * inverse, 0.0F);
   }
 }
 

@@ -52,7 +52,7 @@ class DependencyMeter {
  private:
   void make_codes(const SamplePlanes& planes, const kernels::PlaneMoments* moments);
   void make_entropies(int count);
-  [[nodiscard]] int used_bins(int column) const;
+  void count_bins();
   /// out[y - first_y] = mutual information of column x and each of the columns [first_y, end_y).
   void mutual_information(int x, int first_y, int end_y, float* out);
 
@@ -66,6 +66,7 @@ class DependencyMeter {
   std::vector<std::int32_t> row_count_;
   std::vector<float> n_log_n_;  // n log n
   std::vector<float> own_;      // of each column: sum of n log n over its bins
+  std::vector<float> freedom_;  // of each column: its bins that hold samples, less one
   std::vector<float> joint_;    // sums of the rows of one call
   std::vector<float> pair_;     // mutual information of the pairs of one column
   Dependencies result_;

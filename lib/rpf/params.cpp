@@ -48,11 +48,16 @@ void RpfParams::check() const {
 
 RpfParams paper_rpf(float variance) {
   RpfParams params;
+  params.shares = {0.02F, 0.04F, 0.3F, 0.5F};
   params.colour_variance = variance;
   params.feature_variance = variance;
+  params.cluster_deviations = 3;
+  params.location_deviations = 3;
+  params.least_deviation = 0;
   params.unclustered.clear();
   params.information_floor = 0;
   params.least_feature_share = 0;
+  params.pass_growth = 0.1F;
   params.colour_unit = RpfColourUnit::kFiltered;
   params.spikes = RpfSpikes::kReset;
   return params;

@@ -27,7 +27,10 @@ float repaired(float value, bool& was_broken) {
 }  // namespace
 
 SampleRows::SampleRows(const SampleSource& source, const RecordLayout& layout, int passes, int capacity)
-    : source_(source), layout_(layout), passes_(passes), ring_(static_cast<std::size_t>(capacity)) {}
+    : source_(source), layout_(layout), passes_(passes), ring_(static_cast<std::size_t>(capacity)) {
+  const auto rows = static_cast<std::size_t>(source.height);
+  for (std::size_t y = 0; y < rows; ++y) row_at_.push_back(&ring_[y % ring_.size()]);
+}
 
 void SampleRows::add_sample(const float* sample, int x, SampleRow& row) {
   if (!is_usable(sample[0]) || !is_usable(sample[1]) || !is_usable(sample[2])) {

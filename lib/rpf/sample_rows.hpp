@@ -54,8 +54,8 @@ class SampleRows {
   [[nodiscard]] const RecordLayout& layout() const noexcept { return layout_; }
   [[nodiscard]] int rows_read() const noexcept { return rows_read_; }
   [[nodiscard]] const SampleCounts& counts() const noexcept { return counts_; }
-  [[nodiscard]] SampleRow& row(int y) noexcept { return ring_[static_cast<std::size_t>(y) % ring_.size()]; }
-  [[nodiscard]] const SampleRow& row(int y) const noexcept { return ring_[static_cast<std::size_t>(y) % ring_.size()]; }
+  [[nodiscard]] SampleRow& row(int y) noexcept { return *row_at_[static_cast<std::size_t>(y)]; }
+  [[nodiscard]] const SampleRow& row(int y) const noexcept { return *row_at_[static_cast<std::size_t>(y)]; }
 
   /// The next row, in the place of the one `capacity` rows above.
   void read_row();
@@ -74,6 +74,7 @@ class SampleRows {
   int passes_;
   int rows_read_ = 0;
   std::vector<SampleRow> ring_;
+  std::vector<SampleRow*> row_at_;  // of each row of the image, its place in the ring
   std::vector<std::uint32_t> row_counts_;
   std::vector<float> row_samples_;
   SampleCounts counts_;

@@ -146,7 +146,9 @@ TEST_CASE("bins, their rows of bits and what two rows share") {
     std::vector<float> value(static_cast<std::size_t>(count) + 1);
     for (std::size_t n = 0; n < value.size(); ++n) value[n] = static_cast<float>(n * n);
     std::vector<float> sums(96);
-    kernels::joint_entropy_sums(bits, value.data(), rows[0], rows[1], rows[1], rows[2], sums.data());
+    std::vector<std::int32_t> counts(128);
+    kernels::row_counts(bits, rows[2], counts.data());
+    kernels::joint_entropy_sums(bits, counts.data(), value.data(), rows[0], rows[1], rows[1], rows[2], sums.data());
     for (int y = 0; y < rows[2] - rows[1]; ++y) {
       float expected = 0;
       for (int x = 0; x < rows[1]; ++x) {
@@ -157,8 +159,6 @@ TEST_CASE("bins, their rows of bits and what two rows share") {
       }
       CHECK(sums[static_cast<std::size_t>(y)] == expected);
     }
-    std::vector<std::int32_t> counts(128);
-    kernels::row_counts(bits, rows[2], counts.data());
     int total = 0;
     for (int r = 0; r < rows[2]; ++r) total += counts[static_cast<std::size_t>(r)];
     CHECK(total == 2 * count);  // every sample is in one bin of each column
