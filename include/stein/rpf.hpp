@@ -63,14 +63,15 @@ struct RpfParams {
   /// Samples of the neighbourhood, the pixel's own included, as a fraction of all that a box has; one per box, (0..1].
   std::vector<float> shares = {0.015F, 0.03F, 0.12F, 0.4F};
 
-  /// sigma_8^2 of sec. 4.5.1 for colours and for features, [1e-6..100]: see kRpfNoisy and kRpfDetail.
+  /// sigma_8^2 of sec. 4.5.1 for colours and for features, [1e-6..100]: see kRpfNoisy and kRpfDetail. The paper
+  /// has one for both.
   float colour_variance = 0.02F;
   float feature_variance = 0.002F;
   /// Least 1 - W_c^r that divides the variance of the features, [0..1]; 0: the paper's.
   float least_feature_share = 0.1F;
 
   /// Standard deviations of the pixel's own samples within which a neighbour's features must lie, [0.1..1e6]; the
-  /// second is for features that vary over any surface (position, depth). Sec. 4.3.1
+  /// second is for features that vary over any surface (position, depth). The paper has 3. Sec. 4.3.1
   float cluster_deviations = 2.0F;
   float location_deviations = 20.0F;
   /// What other features may differ by in any case, [0..1e6].
@@ -81,7 +82,8 @@ struct RpfParams {
   /// How much of the mutual information that independent vectors of as many samples have on average is taken off,
   /// [0..1]; 0: the paper's.
   float information_floor = 1.0F;
-  /// Growth of the random parameters' part in alpha and beta from pass to pass, [0..1]. Sec. 4.4.2
+  /// Growth of the random parameters' part in alpha and beta from pass to pass, [0..1]. The paper gives no number.
+  /// Sec. 4.4.2
   float pass_growth = 0.0F;
   RpfColourUnit colour_unit = RpfColourUnit::kRendered;
   RpfSpikes spikes = RpfSpikes::kShare;
