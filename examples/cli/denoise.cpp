@@ -10,6 +10,7 @@
 #include "cancel.hpp"
 #include "denoise_options.hpp"
 #include "denoise_report.hpp"
+#include "denoise_samples.hpp"
 #include "output_file.hpp"
 #include "progress.hpp"
 #include "stein/exr.hpp"
@@ -87,8 +88,16 @@ void run_denoise(const DenoiseOptions& options) {
 
 Action add_denoise(CLI::App& verb) {
   auto options = std::make_shared<DenoiseOptions>();
+  auto samples = std::make_shared<SampleFilterOptions>();
   declare(verb, *options);
-  return [options] { run_denoise(*options); };
+  declare(verb, *samples);
+  return [options, samples, &verb] {
+    if (reads_samples(verb, *options)) {
+      denoise_samples(*options, *samples);
+    } else {
+      run_denoise(*options);
+    }
+  };
 }
 
 }  // namespace stein::cli

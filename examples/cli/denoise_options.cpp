@@ -21,7 +21,12 @@ constexpr const char* kFooter =
     "  stein denoise noisy.exr -o clean.exr\n"
     "  stein denoise noisy.exr -o clean.exr --samples 16 --json report.json --quiet\n"
     "  stein denoise noisy.exr -o clean.exr --filter gaussian --risk monte-carlo\n"
-    "  stein denoise noisy.exr -o clean.exr --feature-sigma normal=0.4,albedo=0.1";
+    "  stein denoise noisy.exr -o clean.exr --feature-sigma normal=0.4,albedo=0.1\n"
+    "\n"
+    "The filter rpf reads a file of raw samples (deep, as for stein accumulate) and writes the colour, and its error "
+    "with\n"
+    "--risk monte-carlo:\n"
+    "  stein denoise samples.exr -o clean.exr --filter rpf";
 
 void declare_output(CLI::App& verb, DenoiseOptions& options) {
   verb.add_flag_callback(

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "stein/plane.hpp"
+#include "stein/rpf.hpp"
 
 namespace stein::exr {
 
@@ -95,6 +96,10 @@ class SampleReader {
   struct Data;
   std::unique_ptr<Data> data_;
 };
+
+/// The features and random parameters of a file for random parameter filtering. Selects the reader's channels; the
+/// reader must outlive the source, and have no row read yet.
+[[nodiscard]] SampleSource sample_source(SampleReader& reader);
 
 /// Writes what was computed from samples as planes, a band of rows at a time: float channels under the window and the
 /// attributes (such as chromaticities) of the samples' file. The file appears whole or not at all.

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "core/hash.hpp"
+
 namespace stein {
 namespace {
 
@@ -15,19 +17,11 @@ float root_of_pivot(float pivot, float variance) noexcept {
 
 float quotient(float a, float b) noexcept { return b > 0.0F ? a / b : 0.0F; }
 
-std::uint64_t mixed(std::uint64_t z) noexcept {  // the finaliser of SplitMix64
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-  return z ^ (z >> 31);
-}
-
 }  // namespace
 
 std::array<float, 3> random_signs(std::uint64_t seed, int draw, int x, int y) noexcept {
-  const std::uint64_t pixel = (static_cast<std::uint64_t>(static_cast<std::uint32_t>(y)) << 32U) |
-                              static_cast<std::uint64_t>(static_cast<std::uint32_t>(x));
-  const std::uint64_t stream = mixed(seed + 0x9E3779B97F4A7C15ULL * (static_cast<std::uint64_t>(draw) + 1));
-  const std::uint64_t bits = mixed(stream ^ mixed(pixel + 0xD1B54A32D192ED03ULL));
+  const std::uint64_t stream = mixed(seed + kGoldenRatioBits * (static_cast<std::uint64_t>(draw) + 1));
+  const std::uint64_t bits = mixed(stream ^ mixed(pixel_key(x, y) + 0xD1B54A32D192ED03ULL));
   const auto sign = [bits](unsigned bit) { return ((bits >> bit) & 1U) != 0 ? 1.0F : -1.0F; };
   return {sign(17), sign(31), sign(47)};
 }

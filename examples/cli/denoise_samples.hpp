@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// `stein denoise --filter rpf`: the filter that reads raw samples.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "denoise_options.hpp"
+#include "verbs.hpp"
+
+namespace stein::cli {
+
+struct SampleFilterOptions {
+  std::string preset = "default";
+  std::vector<std::string> adjacent;
+  std::vector<std::string> features;
+  std::vector<std::string> randoms;
+};
+
+/// Declares them; `options` must outlive the parsing.
+void declare(CLI::App& verb, SampleFilterOptions& options);
+
+/// Whether the filter that was asked for reads samples. @throws Error kInvalidArgument for options given to `verb` that
+/// are not for that filter.
+[[nodiscard]] bool reads_samples(const CLI::App& verb, const DenoiseOptions& options);
+
+void denoise_samples(const DenoiseOptions& options, const SampleFilterOptions& filter);
+
+}  // namespace stein::cli
