@@ -112,6 +112,8 @@ exr::SampleReader open_samples(const std::string& path) {
 }  // namespace
 
 void declare(CLI::App& verb, SampleFilterOptions& options) {
+  CLI::Option* filter = verb.get_option("--filter");
+  filter->description(filter->get_description() + "; of raw samples: rpf");
   verb.add_option("--rpf-preset", options.preset,
                   "Of rpf: what measured best, or the paper's two settings, for clean and for noisy scenes")
       ->check(CLI::IsMember({"default", "paper-detail", "paper-noisy"}));

@@ -18,7 +18,7 @@ struct SampleFilterOptions {
   std::vector<std::string> randoms;
 };
 
-/// Declares them; `options` must outlive the parsing.
+/// Declares them, after those of the pixel filters; `options` must outlive the parsing.
 void declare(CLI::App& verb, SampleFilterOptions& options);
 
 /// Whether the filter that was asked for reads samples. @throws Error kInvalidArgument for options given to `verb` that

@@ -102,7 +102,7 @@ void declare(CLI::App& verb, FilterOptions& options) {
     names += (names.empty() ? "" : ", ") + std::string(name);
   }
   options.name = filter_names().front();
-  verb.add_option("--filter", options.name, "One of: " + names + "; of samples: rpf")->capture_default_str();
+  verb.add_option("--filter", options.name, "One of: " + names)->capture_default_str();
   verb.add_option("--bank", options.bank,
                   "Candidates: all (final), or the cheaper ones for use between batches of samples (intermediate)")
       ->check(CLI::IsMember({"final", "intermediate"}));
