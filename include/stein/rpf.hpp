@@ -65,18 +65,19 @@ struct RpfParams {
 
   /// sigma_8^2 of sec. 4.5.1 for colours and for features, [1e-6..100]: see kRpfNoisy and kRpfDetail. The paper
   /// has one for both.
-  float colour_variance = 0.02F;
+  float colour_variance = 0.05F;
   float feature_variance = 0.002F;
-  /// Least 1 - W_c^r that divides the variance of the features, [0..1]; 0: the paper's.
-  float least_feature_share = 0.1F;
+  /// Least 1 - W_c^r that divides the variance of the features, but for those in `unclustered`, [0..1]; 0: the paper's.
+  float least_feature_share = 0.3F;
 
   /// Standard deviations of the pixel's own samples within which a neighbour's features must lie, [0.1..1e6]; the
   /// second is for features that vary over any surface (position, depth). The paper has 3. Sec. 4.3.1
   float cluster_deviations = 2.0F;
   float location_deviations = 20.0F;
   /// What other features may differ by in any case, [0..1e6].
-  float least_deviation = 0.1F;
-  /// Features that reject no neighbour: they are random themselves, and what is rare in them would be rejected.
+  float least_deviation = 0.2F;
+  /// Features of what a path meets later. They are random themselves, so they reject no neighbour: what is rare in them
+  /// would be rejected.
   std::vector<std::string> unclustered = {"position2", "normal2", "visibility"};
 
   /// How much of the mutual information that independent vectors of as many samples have on average is taken off,

@@ -113,9 +113,7 @@ void PixelFilter::filter() {
   constexpr float kSamples = 8;
   constexpr float kLeast = 1e-6F;
   const float rest = 1.0F - weights_.colour_random;
-  const float feature_rest = std::max(rest, params_.least_feature_share);
   const float half = kLog2e * static_cast<float>(own_) / (2.0F * kSamples);
-  const float feature_factor = half * feature_rest * feature_rest / params_.feature_variance;
   const float colour_factor = half * rest * rest / params_.colour_variance;
   const float* colour = planes_.data() + layout_.stride * pitch_;
   float* out = planes_.data() + (layout_.stride + kColourStride) * pitch_;
@@ -127,7 +125,9 @@ void PixelFilter::filter() {
     out += pitch_;
   };
   for (int k = 0; k < layout_.features; ++k) {
-    add(planes_.data() + k * pitch_, moments_[at(k)], feature_factor * weights_.beta[at(k)]);
+    const float own_rest = layout_.is_clustered[at(k)] ? std::max(rest, params_.least_feature_share) : rest;
+    const float factor = half * own_rest * own_rest / params_.feature_variance;
+    add(planes_.data() + k * pitch_, moments_[at(k)], factor * weights_.beta[at(k)]);
   }
   for (int c = 0; c < 3; ++c) {
     const float* plane = colour + c * pitch_;

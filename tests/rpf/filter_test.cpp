@@ -72,6 +72,24 @@ TEST_CASE("noise of the light goes, the edge between two materials stays") {
   CHECK(std::abs(out.at(16, 12, 0) / 0.8 - 1) < 0.25);
 }
 
+TEST_CASE("what a feature counts for at least holds for what a path sees first, not for what it meets later") {
+  // One feature, which is the light that the sample was drawn with, as the colour is.
+  const auto noisy_feature = [](const char* name) {
+    return make_image(24, 20, 8, {{Kind::kFeature, name, 1}, {Kind::kRandom, "random.light", 1}},
+                      [](int, int, Random& random) {
+                        const auto light = static_cast<float>(random.uniform());
+                        return std::vector<float>{light, light, light, light, light};
+                      });
+  };
+  const auto filtered = [&](const char* name, float share) {
+    RpfParams params = small_boxes();
+    params.least_feature_share = share;
+    return filter_image(noisy_feature(name), params).colour;
+  };
+  CHECK(filtered("visibility", 0.0F) == filtered("visibility", 1.0F));
+  CHECK(filtered("albedo", 0.0F) != filtered("albedo", 1.0F));
+}
+
 TEST_CASE("a constant colour stays, and the colour scales with the light") {
   const auto flat = make_image(20, 9, 4, {{Kind::kFeature, "depth", 1}}, [](int, int, Random&) {
     return std::vector<float>{0.3F, 7.0F, 0.0F, 1.0F};
