@@ -13,6 +13,7 @@
 
 #include "stein/plane.hpp"
 
+#pragma GCC visibility push(default)
 namespace stein::exr {
 
 struct SampleWriterOptions {
@@ -120,3 +121,4 @@ class PlanesWriter {
 };
 
 }  // namespace stein::exr
+#pragma GCC visibility pop
