@@ -10,10 +10,8 @@ endif()
 
 function(stein_target name)
   target_compile_features(${name} PUBLIC cxx_std_20)
-  # Static libraries become part of plug-ins: position-independent, and nothing of them shows from outside.
   set_target_properties(${name} PROPERTIES
-    C_EXTENSIONS OFF CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON DEFINE_SYMBOL ""
-    C_VISIBILITY_PRESET hidden CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+    CXX_EXTENSIONS OFF CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   target_compile_options(${name} PRIVATE -Wall -Wextra -Wpedantic -Wconversion -Wshadow $<$<BOOL:${STEIN_WERROR}>:-Werror>)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     target_compile_options(${name} PRIVATE -Wno-restrict)  # false alarms in std::string (GCC bug 105651)
@@ -25,10 +23,10 @@ function(stein_target name)
 endfunction()
 
 # stein_library(name): a library of the interface. Where it is shared, its symbols are versioned, and only what a header in
-# include/ declares shows; cmake/stein.map.in says which names that are.
+# include/ declares shows; cmake/stein.map.in says which names that are. Where it is static, it can become part of plug-ins.
 function(stein_library name)
   stein_target(${name})
-  set_target_properties(${name} PROPERTIES
+  set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON DEFINE_SYMBOL ""
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   get_target_property(type ${name} TYPE)
   if(type STREQUAL "SHARED_LIBRARY")

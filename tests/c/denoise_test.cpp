@@ -73,30 +73,44 @@ TEST_CASE("C: all planes and the report are bit for bit those of stein::denoise"
 }
 
 TEST_CASE("C: planes of features' variances and covariances, and of counts, arrive where they belong") {
-  const Scene scene;
+  Scene scene;
+  std::mt19937 random(3);
+  std::normal_distribution<float> noise(0.0F, 0.05F);
+  for (std::size_t i = 0; i < scene.values.size(); ++i) {
+    if (i % 7 > 3) scene.values[i] += noise(random);
+  }
+  const auto params = make_params("cross-nlm");  // its result depends on neighbours' colours and features alike
   const auto c_frame = scene.c_frame();
   Frame frame = scene.frame();
   Feature& albedo = frame.features[0];
-  const ConstPlaneView positive = frame.colour_variance[0];
-  const std::vector<float> small(std::size_t{Scene::kWidth} * Scene::kHeight, 1e-3F);
-  const std::vector<std::uint32_t> counts(small.size(), 5);
-  const ConstPlaneView covariance(small.data(), Scene::kWidth, Scene::kHeight);
-  albedo.variance.assign(3, positive);
-  albedo.colour_covariance.assign(9, covariance);
-  frame.colour_covariance.fill(covariance);
-  frame.sample_count = ConstPlaneView(counts.data(), ScalarType::kUint32, Scene::kWidth, Scene::kHeight);
+  std::vector<std::vector<float>> planes;  // each of another value
   const auto set = [&](const std::string& name) {
-    REQUIRE(stein_frame_set_plane(c_frame.get(), name.c_str(), STEIN_FLOAT32, small.data(), 0, 0) == STEIN_OK);
+    planes.emplace_back(std::size_t{Scene::kWidth} * Scene::kHeight, 1e-4F * static_cast<float>(planes.size() + 1));
+    REQUIRE(stein_frame_set_plane(c_frame.get(), name.c_str(), STEIN_FLOAT32, planes.back().data(), 0, 0) == STEIN_OK);
+    return ConstPlaneView(planes.back().data(), Scene::kWidth, Scene::kHeight);
   };
-  for (const char* k : kRgb) {
-    REQUIRE(scene.set(c_frame.get(), std::string("albedo.variance.") + k, 3) == STEIN_OK);
-    for (const char* c : kRgb) set(std::string("covariance.") + c + ".albedo." + k);
+  for (const char* k : kRgb) albedo.variance.push_back(set(std::string("albedo.variance.") + k));
+  for (const char* c : kRgb) {
+    for (const char* k : kRgb) albedo.colour_covariance.push_back(set(std::string("covariance.") + c + ".albedo." + k));
   }
-  for (const char* pair : {"R.G", "R.B", "G.B"}) set(std::string("covariance.") + pair);
+  frame.colour_covariance = {set("covariance.R.G"), set("covariance.R.B"), set("covariance.G.B")};
+  const std::vector<std::uint32_t> counts(planes[0].size(), 5);
+  frame.sample_count = ConstPlaneView(counts.data(), ScalarType::kUint32, Scene::kWidth, Scene::kHeight);
   REQUIRE(stein_frame_set_plane(c_frame.get(), "sampleCount", STEIN_UINT32, counts.data(), 0, 0) == STEIN_OK);
-  const DenoiseResult expected = denoise(frame);
-  check_same(run(c_frame.get()).get(), expected);
-  CHECK_FALSE(same_bits(run(scene.c_frame().get()).get(), "R", expected.colour[0]));
+  DenoiseParams cross_nlm;
+  cross_nlm.filter = CrossNlmParams{};
+  const auto result = run(c_frame.get(), params.get());
+  check_same(result.get(), denoise(frame, cross_nlm));
+  // Mixed up they would make another result.
+  const auto differs = [&] { return !same_bits(result.get(), "error.R", denoise(frame, cross_nlm).error[0]); };
+  std::swap(frame.colour_covariance[0], frame.colour_covariance[1]);
+  CHECK(differs());
+  std::swap(frame.colour_covariance[0], frame.colour_covariance[1]);
+  std::swap(albedo.colour_covariance[1], albedo.colour_covariance[2]);
+  CHECK(differs());
+  std::swap(albedo.colour_covariance[1], albedo.colour_covariance[2]);
+  std::swap(albedo.variance[1], albedo.variance[2]);
+  CHECK(differs());
 }
 
 TEST_CASE("C: strides may be negative and the result may replace the input") {
@@ -113,9 +127,7 @@ TEST_CASE("C: strides may be negative and the result may replace the input") {
 TEST_CASE("C: options change what they say") {
   const Scene scene;
   const auto frame = scene.c_frame();
-  const auto params = make_params("adaptive-order");
-  REQUIRE(stein_params_set_text(params.get(), "order", "1") == STEIN_OK);
-  REQUIRE(stein_params_set_text(params.get(), "order-error", "taylor") == STEIN_OK);
+  const auto params = make_params("cross-nlm");
   REQUIRE(stein_params_set_text(params.get(), "bank", "intermediate") == STEIN_OK);
   REQUIRE(stein_params_set_text(params.get(), "selection", "argmin") == STEIN_OK);
   REQUIRE(stein_params_set_text(params.get(), "risk", "monte-carlo") == STEIN_OK);
@@ -131,9 +143,7 @@ TEST_CASE("C: options change what they say") {
     INFO(name);
     REQUIRE(stein_params_set_number(params.get(), name, value) == STEIN_OK);
   }
-  AdaptiveOrderParams filter = intermediate_adaptive_order();
-  filter.orders = {1};
-  filter.error = OrderError::kTaylor;
+  CrossNlmParams filter = intermediate_cross_nlm();
   filter.guides.feature_sigmas = {{"albedo", 0.5F}};
   DenoiseParams expected;
   expected.filter = filter;
@@ -144,6 +154,20 @@ TEST_CASE("C: options change what they say") {
   expected.monte_carlo.seed = 7;
   expected.outliers.enabled = false;
   check_same(run(frame.get(), params.get()).get(), denoise(scene.frame(), expected));
+}
+
+TEST_CASE("C: options of the regression") {
+  const Scene scene;
+  const auto params = make_params("adaptive-order");
+  REQUIRE(stein_params_set_text(params.get(), "order", "1") == STEIN_OK);
+  REQUIRE(stein_params_set_text(params.get(), "order-error", "taylor") == STEIN_OK);
+  REQUIRE(stein_params_set_text(params.get(), "bank", "intermediate") == STEIN_OK);
+  AdaptiveOrderParams filter = intermediate_adaptive_order();
+  filter.orders = {1};
+  filter.error = OrderError::kTaylor;
+  DenoiseParams expected;
+  expected.filter = filter;
+  check_same(run(scene.c_frame().get(), params.get()).get(), denoise(scene.frame(), expected));
 }
 
 TEST_CASE("C: an option set back to its default gives the default's result") {
