@@ -24,7 +24,9 @@ void require_guides(const stein_params& params, const Frame& frame) {
 }  // namespace
 }  // namespace stein::c
 
-using namespace stein::c;
+using stein::c::frame_of;
+using stein::c::guarded_make;
+using stein::c::require_guides;
 
 stein_status stein_denoise(const stein_frame* frame, const stein_params* params, stein_progress progress, void* user,
                            stein_result** result) {

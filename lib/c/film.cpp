@@ -28,7 +28,12 @@ SampleLayout layout_of(const char* const* names, const int32_t* channels, int32_
 }  // namespace
 }  // namespace stein::c
 
-using namespace stein::c;
+using stein::c::guarded;
+using stein::c::guarded_make;
+using stein::c::layout_of;
+using stein::c::make_slots;
+using stein::c::refuse;
+using stein::c::require;
 
 stein_status stein_film_create(int32_t width, int32_t height, const char* const* names, const int32_t* channels,
                                int32_t features, stein_film** film) {

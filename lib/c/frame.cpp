@@ -78,7 +78,14 @@ Frame frame_of(const stein_frame* handle) {
 
 }  // namespace stein::c
 
-using namespace stein::c;
+using stein::c::add_feature;
+using stein::c::guarded;
+using stein::c::guarded_make;
+using stein::c::refuse;
+using stein::c::require;
+using stein::c::require_strides;
+using stein::c::scalar_type;
+using stein::c::slot;
 
 stein_status stein_frame_create(int32_t width, int32_t height, stein_frame** frame) {
   return guarded_make("stein_frame_create", frame, [&] {

@@ -120,7 +120,12 @@ void change(stein_params* params, const char* name, const Set& set) {
 }  // namespace
 }  // namespace stein::c
 
-using namespace stein::c;
+using stein::c::change;
+using stein::c::guarded;
+using stein::c::guarded_make;
+using stein::c::require;
+using stein::c::set_number;
+using stein::c::set_text;
 
 stein_status stein_params_create(const char* filter, stein_params** params) {
   return guarded_make("stein_params_create", params, [&] {

@@ -29,12 +29,12 @@ Value look_up(const Table<Value>& table, const char* kind, const char* name) {
 const Plane& plane_of(const stein_result* result, const char* name) {
   require(result, "the result");
   const DenoiseResult& r = result->value;
-  return *look_up<const Plane*>({{"R", &r.colour[0]},
-                                 {"G", &r.colour[1]},
-                                 {"B", &r.colour[2]},
-                                 {"error.R", &r.error[0]},
-                                 {"error.G", &r.error[1]},
-                                 {"error.B", &r.error[2]},
+  return *look_up<const Plane*>({{"R", &r.colour.at(0)},
+                                 {"G", &r.colour.at(1)},
+                                 {"B", &r.colour.at(2)},
+                                 {"error.R", &r.error.at(0)},
+                                 {"error.G", &r.error.at(1)},
+                                 {"error.B", &r.error.at(2)},
                                  {"choice.V", &r.choice},
                                  {"density.V", &r.density}},
                                 "plane", name);
@@ -70,7 +70,12 @@ const char* text_of(const stein_result* result, const char* name, int32_t index)
 }  // namespace
 }  // namespace stein::c
 
-using namespace stein::c;
+using stein::c::guarded;
+using stein::c::number_of;
+using stein::c::plane_of;
+using stein::c::require;
+using stein::c::require_strides;
+using stein::c::text_of;
 
 stein_status stein_result_plane(const stein_result* result, const char* name, const float** data,
                                 ptrdiff_t* row_stride) {
