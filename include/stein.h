@@ -81,8 +81,9 @@ STEIN_API stein_status stein_frame_add_feature(stein_frame* frame, const char* n
  *   <feature>.variance.<c>                        variance of that mean, for all of its channels or none
  *   covariance.R.<feature>.<c>, also with G, B    covariances with the colour, all or none; next to variances only
  *
- * with c, for a single channel, V for visibility and Z for any other; for several, R G B A in names that contain "albedo"
- * or "colo", else X Y Z W. A name that is none of these is an error, whose message lists those that the frame can have. */
+ * with c, for a single channel, V for visibility and Z for any other; for several, R G B A in names that contain
+ * "albedo" or "colo", else X Y Z W. A name that is none of these is an error, whose message lists those that the frame
+ * can have. */
 STEIN_API stein_status stein_frame_set_plane(stein_frame* frame, const char* name, stein_type type, const void* data,
                                              ptrdiff_t pixel_stride, ptrdiff_t row_stride);
 
