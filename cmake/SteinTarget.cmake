@@ -18,7 +18,8 @@ endfunction()
 
 function(stein_target name)
   target_compile_features(${name} PUBLIC cxx_std_20)
-  set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF)
+  set_target_properties(${name} PROPERTIES
+    CXX_EXTENSIONS OFF CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   target_compile_options(${name} PRIVATE -Wall -Wextra -Wpedantic -Wconversion -Wshadow $<$<BOOL:${STEIN_WERROR}>:-Werror>)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     target_compile_options(${name} PRIVATE -Wno-restrict)  # false alarms in std::string (GCC bug 105651)
@@ -28,5 +29,19 @@ function(stein_target name)
     # A third of the compile time, for what faults by itself or AddressSanitizer finds as well.
     target_compile_options(${name} PUBLIC -fno-sanitize=null,object-size,vptr)
     target_link_options(${name} PUBLIC -fsanitize=${STEIN_SANITIZE})
+  endif()
+endfunction()
+
+# stein_library(name): a library of the interface. Where it is shared, its symbols are versioned, and only what a header in
+# include/ declares shows; cmake/stein.map.in says which names that are. Where it is static, it can become part of plug-ins.
+function(stein_library name)
+  stein_target(${name})
+  set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON DEFINE_SYMBOL ""
+    VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  get_target_property(type ${name} TYPE)
+  if(type STREQUAL "SHARED_LIBRARY")
+    configure_file(${PROJECT_SOURCE_DIR}/cmake/stein.map.in ${PROJECT_BINARY_DIR}/stein.map @ONLY)
+    target_link_options(${name} PRIVATE LINKER:--version-script=${PROJECT_BINARY_DIR}/stein.map)
+    set_target_properties(${name} PROPERTIES LINK_DEPENDS ${PROJECT_BINARY_DIR}/stein.map)
   endif()
 endfunction()

@@ -24,6 +24,7 @@
 #include "stein/error.hpp"
 #include "stein/moments.hpp"
 
+#pragma GCC visibility push(default)
 namespace stein {
 
 /// Per-pixel moments of samples that come in any order. Memory: one allocation of 8 bytes times 4 + channels +
@@ -295,3 +296,4 @@ inline Moments Accumulator::moments() const {
 }
 
 }  // namespace stein
+#pragma GCC visibility pop

@@ -12,6 +12,7 @@
 #include "stein/filters.hpp"
 #include "stein/frame.hpp"
 
+#pragma GCC visibility push(default)
 namespace stein {
 
 /// Renders counts[y * width + x] further samples of every pixel and returns the image with all samples so far; it must
@@ -53,3 +54,4 @@ struct AdaptiveResult {
                                                 const AdaptiveParams& params);
 
 }  // namespace stein
+#pragma GCC visibility pop

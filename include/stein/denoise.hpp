@@ -14,6 +14,7 @@
 #include "stein/frame.hpp"
 #include "stein/plane.hpp"
 
+#pragma GCC visibility push(default)
 namespace stein {
 
 /// How the candidates' estimated errors become one image.
@@ -104,3 +105,4 @@ struct DenoiseResult {
 void check(const DenoiseParams& params);
 
 }  // namespace stein
+#pragma GCC visibility pop

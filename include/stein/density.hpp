@@ -8,6 +8,7 @@
 
 #include "stein/plane.hpp"
 
+#pragma GCC visibility push(default)
 namespace stein {
 
 /// What a density says.
@@ -45,3 +46,4 @@ struct AllocationParams {
                                                           ConstPlaneView existing = {});
 
 }  // namespace stein
+#pragma GCC visibility pop

@@ -4,15 +4,17 @@
 #include <stdexcept>
 #include <string>
 
+#pragma GCC visibility push(default)
 namespace stein {
 
-/// What kind of thing went wrong. The message says which plane, pixel or file, and what to do about it.
+/// What kind of thing went wrong. The message says which plane, pixel or file, and what to do about it. The numbers are
+/// those of stein.h, and stay.
 enum class ErrorCode {
-  kInvalidArgument,  ///< a parameter is out of its documented range
-  kInvalidFrame,     ///< planes are missing, mismatched, or hold values that cannot be used
-  kIo,               ///< a file cannot be opened, read or written
-  kUnsupported,      ///< well-formed, but not something stein can read or do
-  kCancelled,        ///< the progress callback asked to stop
+  kInvalidArgument = 1,  ///< a parameter is out of its documented range
+  kInvalidFrame = 2,     ///< planes are missing, mismatched, or hold values that cannot be used
+  kIo = 3,               ///< a file cannot be opened, read or written
+  kUnsupported = 4,      ///< well-formed, but not something stein can read or do
+  kCancelled = 5,        ///< the progress callback asked to stop
 };
 
 /// The one exception type that public functions throw (besides std::bad_alloc).
@@ -26,3 +28,4 @@ class Error : public std::runtime_error {
 };
 
 }  // namespace stein
+#pragma GCC visibility pop

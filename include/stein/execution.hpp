@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#pragma GCC visibility push(default)
 namespace stein {
 
 /// How to run, never what to compute: results are bit-identical for every setting here.
@@ -17,3 +18,4 @@ struct Execution {
 };
 
 }  // namespace stein
+#pragma GCC visibility pop

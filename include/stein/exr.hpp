@@ -13,6 +13,7 @@
 #include "stein/frame.hpp"
 #include "stein/plane.hpp"
 
+#pragma GCC visibility push(default)
 namespace stein::exr {
 
 /// One channel of a file and what was made of it.
@@ -106,3 +107,4 @@ void write_planes(const std::string& path, const std::vector<std::pair<std::stri
                   const std::array<int, 2>& origin = {0, 0});
 
 }  // namespace stein::exr
+#pragma GCC visibility pop

@@ -14,6 +14,7 @@
 #include "stein/plane.hpp"
 #include "stein/rpf.hpp"
 
+#pragma GCC visibility push(default)
 namespace stein::exr {
 
 struct SampleWriterOptions {
@@ -125,3 +126,4 @@ class PlanesWriter {
 };
 
 }  // namespace stein::exr
+#pragma GCC visibility pop

@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#pragma GCC visibility push(default)
 namespace stein {
 
 /// How strongly a feature guides: sigma_f of SBF Eq. 4, in units of the normalised distance D of Eq. 6.
@@ -204,3 +205,4 @@ using FilterSpec = std::variant<CrossBilateralParams, CrossNlmParams, GaussianPa
 void check(const FilterSpec& spec);
 
 }  // namespace stein
+#pragma GCC visibility pop

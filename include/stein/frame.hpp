@@ -12,6 +12,7 @@
 
 #include "stein/plane.hpp"
 
+#pragma GCC visibility push(default)
 namespace stein {
 
 /// A named group of 1..4 channels of the G-buffer: normal 3, albedo 3, depth 1, position 3, visibility 1, or any other.
@@ -90,3 +91,4 @@ void check_strict(const Frame& frame);
 [[nodiscard]] std::string plane_name(const Feature& feature, std::size_t channel, bool is_variance);
 
 }  // namespace stein
+#pragma GCC visibility pop

@@ -18,6 +18,7 @@
 #include "stein/error.hpp"
 #include "stein/frame.hpp"
 
+#pragma GCC visibility push(default)
 namespace stein {
 
 namespace detail {
@@ -133,3 +134,4 @@ inline Moments::Moments(int width, int height, const SampleLayout& layout) {
 }
 
 }  // namespace stein
+#pragma GCC visibility pop

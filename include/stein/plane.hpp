@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <memory>
 
+#pragma GCC visibility push(default)
 namespace stein {
 
 enum class ScalarType : std::uint8_t { kFloat32, kFloat16, kUint32 };
@@ -117,3 +118,4 @@ class Plane {
 };
 
 }  // namespace stein
+#pragma GCC visibility pop
