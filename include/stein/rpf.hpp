@@ -15,6 +15,7 @@
 #include "stein/execution.hpp"
 #include "stein/plane.hpp"
 
+#pragma GCC visibility push(default)
 namespace stein {
 
 /// Channels of a sample that belong together.
@@ -147,3 +148,4 @@ RpfReport filter_samples(const SampleSource& source, const RpfParams& params, co
                          const RpfSink& sink, const std::vector<SampleSource>& adjacent = {});
 
 }  // namespace stein
+#pragma GCC visibility pop
