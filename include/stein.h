@@ -105,17 +105,23 @@ STEIN_API void stein_params_destroy(stein_params* params);
 /* Options have the names, values and defaults of the command line. An unknown one, one that the filter does not have,
  * or a value out of range is an error. Texts:
  *
- *   bank          final, intermediate (cheaper, for use between batches of samples)
- *   order         0, 1, 3, adaptive (of adaptive-order)
- *   order-error   risk, taylor (of adaptive-order)
- *   risk          auto, sure, joint, monte-carlo
- *   selection     evidence, argmin */
+ *   bank            final, intermediate (cheaper, for use between batches of samples)
+ *   spatial-sigmas  of the candidates, such as 1,2,4; range-sigmas as well
+ *   distance        absolute, variance-normalised (of cross-nlm)
+ *   order           0, 1, 3, adaptive (of adaptive-order)
+ *   order-error     risk, taylor (of adaptive-order)
+ *   risk            auto, sure, joint, monte-carlo
+ *   selection       evidence, argmin
+ *   density-rule    next-samples, all-samples, error-reduction */
 STEIN_API stein_status stein_params_set_text(stein_params* params, const char* name, const char* value);
 
 /* Numbers; whole ones where they count:
  *
  *   feature-sigma.<feature>  how strongly a feature of the frame guides; smaller is stronger, 0: not at all
  *   range-sigma              range term on the colour, in radiance; 0: off
+ *   other-feature-sigma, min-feature-variance, spatial-sigma, window-radius, patch-radius, patch-blur, noise-threshold,
+ *   ridge, curvature-ridge, levels, value-sigma, fixed-weight, noise-margin, weight-steps: parameters of the filters
+ *                            that have them (stein/filters.hpp)
  *   strength                 0 (the input) to 1 (the reconstruction)
  *   draws, seed              of the Monte Carlo risk: 1 to 16 runs; 0 to 2^53
  *   outliers, strict         0 or 1: scale fireflies down; fail on values that would be repaired

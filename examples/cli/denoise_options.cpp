@@ -7,7 +7,7 @@
 
 #include "arguments.hpp"
 #include "parsing.hpp"
-#include "stein/error.hpp"
+#include "stein/options.hpp"
 
 namespace stein::cli {
 namespace {
@@ -39,28 +39,6 @@ void declare_output(CLI::App& verb, DenoiseOptions& options) {
   verb.add_flag("--keep-inputs", options.write.inputs, "Keep variances, covariances and the sample count");
   verb.add_flag("--half", options.write.half_colour, "Write the colour as half");
   verb.add_option("--json", options.json, "Write a report as JSON to this file");
-}
-
-Risk risk_of(const std::string& name) {
-  if (name == "sure") return Risk::kPlain;
-  if (name == "joint") return Risk::kJoint;
-  return name == "monte-carlo" ? Risk::kMonteCarlo : Risk::kAuto;
-}
-
-void check_feature_names(const DenoiseOptions& options, const Frame& frame) {
-  for (const std::string& text : options.filter.feature_sigmas) {
-    const std::string name = text.substr(0, text.find('='));
-    std::string names;
-    bool found = false;
-    for (const Feature& feature : frame.features) {
-      found = found || feature.name == name;
-      names += " " + feature.name;
-    }
-    if (!found) {
-      throw Error(ErrorCode::kInvalidArgument, "--feature-sigma: " + options.input + " has no feature '" + name +
-                                                   "'; it has:" + (names.empty() ? " none" : names));
-    }
-  }
 }
 
 }  // namespace
@@ -101,11 +79,11 @@ void declare_method(CLI::App& verb, DenoiseOptions& options) {
 
 DenoiseParams denoise_params(const DenoiseOptions& options) {
   DenoiseParams params;
-  params.filter = filter_spec(options.filter);
-  params.risk = risk_of(options.risk);
+  apply(options.filter, params);
+  set_option(params, "risk", options.risk);
+  set_option(params, "selection", options.selection);
   params.monte_carlo.draws = options.draws;
   params.monte_carlo.seed = options.seed;
-  params.selection = options.selection == "argmin" ? Selection::kArgmin : Selection::kEvidence;
   params.strength = options.strength;
   params.strict = options.strict;
   params.outliers.enabled = options.outliers;
@@ -123,7 +101,9 @@ exr::LoadedFrame read_input(const DenoiseOptions& options) {
   const bool needs_covariances = options.risk != "sure";
   exr::LoadedFrame input =
       exr::read_frame(options.input, {.samples_per_pixel = options.samples, .read_covariances = needs_covariances});
-  check_feature_names(options, input.frame());
+  for (const std::string& text : options.filter.feature_sigmas) {
+    require_feature(input.frame(), parse_feature_sigma(text).name);
+  }
   return input;
 }
 

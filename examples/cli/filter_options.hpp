@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "stein/filters.hpp"
+#include "stein/denoise.hpp"
 #include "verbs.hpp"
 
 namespace stein::cli {
@@ -24,10 +24,7 @@ struct FilterOptions {
 /// Declares them; `options` must outlive the parsing.
 void declare(CLI::App& verb, FilterOptions& options);
 
-/// Whether a filter has a cheaper bank, for use between batches of samples.
-[[nodiscard]] bool has_intermediate_bank(const std::string& filter);
-
 /// @throws Error kInvalidArgument.
-[[nodiscard]] FilterSpec filter_spec(const FilterOptions& options);
+void apply(const FilterOptions& options, DenoiseParams& params);
 
 }  // namespace stein::cli

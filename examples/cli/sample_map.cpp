@@ -16,6 +16,7 @@
 #include "output_file.hpp"
 #include "progress.hpp"
 #include "stein/density.hpp"
+#include "stein/options.hpp"
 #include "verbs.hpp"
 
 namespace stein::cli {
@@ -55,11 +56,9 @@ void declare(CLI::App& verb, SampleMapOptions& options) {
 
 DenoiseParams params_of(SampleMapOptions& options) {
   FilterOptions& filter = options.method.filter;
-  if (filter.bank.empty() && has_intermediate_bank(filter.name)) filter.bank = "intermediate";
+  if (filter.bank.empty() && has_banks(make_filter(filter.name))) filter.bank = "intermediate";
   DenoiseParams params = denoise_params(options.method);
-  params.density.rule = options.density == "all-samples"       ? DensityRule::kAllSamples
-                        : options.density == "error-reduction" ? DensityRule::kErrorReduction
-                                                               : DensityRule::kNextSamples;
+  set_option(params, "density-rule", options.density);
   return params;
 }
 

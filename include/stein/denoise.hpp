@@ -85,7 +85,7 @@ struct DenoiseReport {
   std::string instruction_set;  ///< of the kernels, such as "AVX3"
 };
 
-/// All planes have the frame's size.
+/// All planes have the frame's size; those of colour and error are each a Plane::triple.
 struct DenoiseResult {
   std::array<Plane, 3> colour;
   /// Estimated squared error of `colour`, smoothed. Can be below 0: the estimate is kept free of that bias.

@@ -7,6 +7,7 @@
 // is "absent". Views do not own: the memory must outlive every call that is handed the view.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -92,6 +93,8 @@ class Plane {
  public:
   Plane() = default;
   Plane(int width, int height);
+  /// Three planes of one block of memory, at equal distances: as a whole they are a strided array of three channels.
+  [[nodiscard]] static std::array<Plane, 3> triple(int width, int height);
 
   [[nodiscard]] explicit operator bool() const noexcept { return data_ != nullptr; }
   [[nodiscard]] int width() const noexcept { return width_; }
@@ -106,10 +109,8 @@ class Plane {
 
  private:
   struct Free {
-    void* block;  // what was allocated; the plane starts at its first aligned address
-    Free() noexcept : block(nullptr) {}
-    explicit Free(void* allocated) noexcept : block(allocated) {}
-    void operator()(float* p) const noexcept;
+    std::shared_ptr<void> block;  // what was allocated; a plane starts at an aligned address in it
+    void operator()(float* /*p*/) noexcept { block.reset(); }
   };
   std::unique_ptr<float, Free> data_;
   std::ptrdiff_t pitch_ = 0;  // floats

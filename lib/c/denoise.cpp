@@ -1,32 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stein/denoise.hpp"
 
-#include <algorithm>
 #include <memory>
 #include <string>
 
 #include "c/boundary.hpp"
 #include "c/handles.hpp"
-
-namespace stein::c {
-namespace {
-
-// An option that nothing in the frame answers to would be ignored.
-void require_guides(const stein_params& params, const Frame& frame) {
-  for (const std::string& name : params.guiding) {
-    std::string names;
-    for (const Feature& feature : frame.features) names += " " + feature.name;
-    if (std::none_of(frame.features.begin(), frame.features.end(), [&](const Feature& f) { return f.name == name; }))
-      refuse("feature-sigma: the frame has no feature '" + name + "'; it has:" + (names.empty() ? " none" : names));
-  }
-}
-
-}  // namespace
-}  // namespace stein::c
+#include "stein/options.hpp"
 
 using stein::c::frame_of;
 using stein::c::guarded_make;
-using stein::c::require_guides;
 
 stein_status stein_denoise(const stein_frame* frame, const stein_params* params, stein_progress progress, void* user,
                            stein_result** result) {
@@ -34,7 +17,7 @@ stein_status stein_denoise(const stein_frame* frame, const stein_params* params,
     const stein::Frame input = frame_of(frame);
     stein::DenoiseParams values;
     if (params != nullptr) {
-      require_guides(*params, input);
+      for (const std::string& feature : params->guiding) stein::require_feature(input, feature);
       values = params->values;
     }
     if (progress != nullptr)

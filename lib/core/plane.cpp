@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
 
 #include "core/aligned_zeros.hpp"
 #include "kernels/convert.hpp"
@@ -13,6 +14,13 @@ namespace {
 
 constexpr std::size_t kAlignment = 64;
 constexpr std::ptrdiff_t kFloatsPerLine = kAlignment / sizeof(float);
+
+// An odd number of cache lines, so that rows and planes do not all start in the same cache set.
+constexpr std::ptrdiff_t odd_lines(std::ptrdiff_t floats) {
+  return ((floats + kFloatsPerLine - 1) / kFloatsPerLine | 1) * kFloatsPerLine;
+}
+
+constexpr std::ptrdiff_t pitch_of(int width) { return odd_lines(width); }
 
 template <class T>
 T load(const std::byte* p) noexcept {
@@ -68,14 +76,25 @@ void PlaneView::write_row(int y, int x, int count, const float* values) const no
   for (int i = 0; i < count; ++i) std::memcpy(p + i * view_.pixel_stride(), &values[i], sizeof(float));
 }
 
-Plane::Plane(int width, int height) : width_(width), height_(height) {
-  // An odd number of cache lines a row: rows and planes do not all start in the same cache set.
-  const std::ptrdiff_t lines = (static_cast<std::ptrdiff_t>(width) + kFloatsPerLine - 1) / kFloatsPerLine;
-  pitch_ = (lines | 1) * kFloatsPerLine;
+Plane::Plane(int width, int height) : pitch_(pitch_of(width)), width_(width), height_(height) {
   const AlignedZeros zeros(static_cast<std::size_t>(pitch_) * static_cast<std::size_t>(height));
-  data_ = std::unique_ptr<float, Free>(zeros.data, Free(zeros.raw));
+  data_ = {zeros.data, Free{{zeros.raw, std::free}}};
 }
 
-void Plane::Free::operator()(float* /*p*/) const noexcept { std::free(block); }
+std::array<Plane, 3> Plane::triple(int width, int height) {
+  const std::ptrdiff_t pitch = pitch_of(width);
+  const std::ptrdiff_t distance = odd_lines(pitch * height);
+  const AlignedZeros zeros(3 * static_cast<std::size_t>(distance));
+  const std::shared_ptr<void> block(zeros.raw, std::free);
+  std::array<Plane, 3> planes;
+  for (std::size_t c = 0; c < planes.size(); ++c) {
+    Plane& plane = planes.at(c);
+    plane.data_ = {zeros.data + static_cast<std::ptrdiff_t>(c) * distance, Free{block}};
+    plane.pitch_ = pitch;
+    plane.width_ = width;
+    plane.height_ = height;
+  }
+  return planes;
+}
 
 }  // namespace stein

@@ -41,8 +41,8 @@ exec::RowPipelineGeometry geometry_of(const Frame& frame, const Execution& execu
 }
 
 void allocate(const Frame& frame, DenoiseResult& result) {
-  for (Plane& plane : result.colour) plane = Plane(frame.width, frame.height);
-  for (Plane& plane : result.error) plane = Plane(frame.width, frame.height);
+  result.colour = Plane::triple(frame.width, frame.height);
+  result.error = Plane::triple(frame.width, frame.height);
   result.choice = Plane(frame.width, frame.height);
   result.density = Plane(frame.width, frame.height);
 }

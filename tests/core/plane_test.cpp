@@ -168,3 +168,22 @@ TEST_CASE("Moving a Plane keeps its memory where it is") {
   CHECK(assigned.width() == 5);
   CHECK(assigned.height() == 4);
 }
+
+TEST_CASE("A triple is one block of memory that lives as long as any of its planes") {
+  Plane last;
+  {
+    std::array<Plane, 3> planes = Plane::triple(5, 3);
+    for (const Plane& plane : planes) {
+      CHECK((plane.width() == 5 && plane.height() == 3));
+      CHECK(reinterpret_cast<std::uintptr_t>(plane.row(0)) % 64 == 0);
+    }
+    CHECK(planes[1].row(0) - planes[0].row(0) == planes[2].row(0) - planes[1].row(0));
+    CHECK(planes[1].row(0) - planes[0].row(0) >= 3 * planes[0].row_stride() / 4);
+    planes[0].row(2)[4] = 1;
+    planes[2].row(0)[0] = 3;
+    CHECK(planes[1].row(0)[0] == 0);
+    last = std::move(planes[2]);
+  }
+  CHECK(last.row(0)[0] == 3);  // AddressSanitizer would see a block that is gone
+  CHECK(last.row(2)[4] == 0);
+}

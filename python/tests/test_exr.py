@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scene import Scene
+
+import stein
+
+pytestmark = pytest.mark.skipif(not hasattr(stein, "read"), reason="built without OpenEXR")
+
+
+def test_results_are_written_and_read(tmp_path):
+    result = stein.denoise(**Scene().arguments())
+    path = tmp_path / "clean.exr"
+    stein.write(path, result, choice=False)
+    with pytest.raises(stein.InvalidFrame):  # there is nothing in it that says how noisy it is
+        stein.read(path)
+    reference = Path(__file__).parents[2] / "examples/data/tea_table_reference.exr"
+    with pytest.raises(stein.InvalidFrame, match="tea_table_reference"):
+        stein.read(reference, samples=1024)
+
+
+def test_frames_of_files(tmp_path):
+    result = stein.denoise(**Scene().arguments())
+    noisy = tmp_path / "noisy.exr"
+    # The written error serves as variance here: what is read is a frame like any other.
+    frame = stein.Frame(result.colour, np.abs(result.error) + 1e-6, samples=8)
+    stein.write_frame(noisy, frame)
+    read = stein.read(noisy)
+    for name, plane in frame.planes.items():
+        assert np.array_equal(read.planes[name], plane), name
+    expected = stein.denoise(frame)
+    again = stein.denoise(read)
+    assert np.array_equal(again.colour, expected.colour)
+    clean = tmp_path / "clean.exr"
+    stein.write(str(clean), again, read, inputs=True, error=False)
+    kept = stein.read(clean)
+    assert np.array_equal(kept.planes["R"], again.colour[..., 0])
+    assert np.array_equal(kept.planes["variance.R"], read.planes["variance.R"])
+
+
+def test_errors_of_files(tmp_path):
+    with pytest.raises(stein.FileError, match="missing.exr") as missing:
+        stein.read(tmp_path / "missing.exr")
+    assert isinstance(missing.value, OSError) and missing.value.code == stein.ErrorCode.IO
+    result = stein.denoise(**Scene().arguments())
+    with pytest.raises(stein.FileError):
+        stein.write(tmp_path / "no folder" / "clean.exr", result)
+    with pytest.raises(stein.InvalidArgument, match="stein.read"):
+        stein.write(tmp_path / "clean.exr", result, half=True)
+    assert not list(tmp_path.iterdir())
