@@ -14,10 +14,10 @@ def test_the_example_denoises_a_real_rendering():
     example = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(example)
     mi.set_variant("scalar_rgb")
-    noisy, result = example.render_and_denoise(size=48, samples=8)
-    assert noisy.shape == result.colour.shape == (48, 48, 3)
+    noisy, result = example.render_and_denoise(size=64, samples=16)
+    assert noisy.shape == result.colour.shape == (64, 64, 3)
     description = mi.cornell_box()
-    description["sensor"]["film"].update(width=48, height=48, rfilter={"type": "box"})
+    description["sensor"]["film"].update(width=64, height=64, rfilter={"type": "box"})
     reference = np.array(mi.render(mi.load_dict(description), spp=256))
 
     def relative_error(image):
