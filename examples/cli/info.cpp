@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "frame_text.hpp"
 #include "plane_statistics.hpp"
@@ -25,9 +26,17 @@ constexpr const char* kFooter =
     "  stein info noisy.exr\n"
     "  stein info noisy.exr --json";
 
+void print_list(const char* title, const std::vector<std::string>& lines) {
+  if (!lines.empty()) std::printf("\n%s\n", title);
+  for (const std::string& text : lines) {
+    std::printf("  %s\n", text.c_str());
+  }
+}
+
 void print_text(const exr::LoadedFrame& input, const FrameReport& report) {
   const Frame& frame = input.frame();
-  std::printf("%s\n%s\nsamples: %s\n", input.path().c_str(), size_text(input).c_str(), samples_text(frame).c_str());
+  std::printf("%s\n%s\nschema: %s\nsamples: %s\n", input.path().c_str(), size_text(input).c_str(),
+              input.schema().c_str(), samples_text(frame).c_str());
   std::printf("invalid pixels: %lld\n", static_cast<long long>(report.invalid_pixels));
   for (std::size_t i = 0; i < report.bad_feature_pixels.size(); ++i) {
     std::printf("pixels without a usable %s: %lld\n", frame.features[i].name.c_str(),
@@ -45,10 +54,8 @@ void print_text(const exr::LoadedFrame& input, const FrameReport& report) {
     std::printf("  %-26s %12.5g %12.5g %12.5g %10lld\n", name.c_str(), s.minimum, s.mean, s.maximum,
                 static_cast<long long>(s.non_finite));
   }
-  std::printf("%s", input.missing().empty() ? "" : "\nmissing\n");
-  for (const std::string& text : input.missing()) {
-    std::printf("  %s\n", text.c_str());
-  }
+  print_list("missing", input.missing());
+  print_list("assumed", input.assumptions());
 }
 
 nlohmann::ordered_json samples_json(const Frame& frame) {
@@ -83,12 +90,14 @@ void print_json(const exr::LoadedFrame& input, const FrameReport& report) {
                      {"width", frame.width},
                      {"height", frame.height},
                      {"data_window", input.data_window()},
+                     {"schema", input.schema()},
                      {"samples", samples_json(frame)},
                      {"invalid_pixels", report.invalid_pixels},
                      {"bad_feature_pixels", bad_features},
                      {"channels", channels},
                      {"planes", planes},
-                     {"missing", input.missing()}};
+                     {"missing", input.missing()},
+                     {"assumed", input.assumptions()}};
   std::printf("%s\n", json.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
 }
 
