@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "frame_text.hpp"
+#include "mapping_options.hpp"
 #include "plane_statistics.hpp"
 #include "stein/exr.hpp"
 #include "stein/frame.hpp"
@@ -17,6 +18,7 @@ namespace {
 
 struct InfoOptions {
   std::string input;
+  MappingOptions mapping;
   float samples = 0;
   bool json = false;
 };
@@ -37,7 +39,7 @@ void print_text(const exr::LoadedFrame& input, const FrameReport& report) {
   const Frame& frame = input.frame();
   std::printf("%s\n%s\nschema: %s\nsamples: %s\n", input.path().c_str(), size_text(input).c_str(),
               input.schema().c_str(), samples_text(frame).c_str());
-  std::printf("invalid pixels: %lld\n", static_cast<long long>(report.invalid_pixels));
+  if (frame.colour_variance[0]) std::printf("invalid pixels: %lld\n", static_cast<long long>(report.invalid_pixels));
   for (std::size_t i = 0; i < report.bad_feature_pixels.size(); ++i) {
     std::printf("pixels without a usable %s: %lld\n", frame.features[i].name.c_str(),
                 static_cast<long long>(report.bad_feature_pixels[i]));
@@ -102,9 +104,10 @@ void print_json(const exr::LoadedFrame& input, const FrameReport& report) {
 }
 
 void info(const InfoOptions& options) {
-  const exr::LoadedFrame input =
-      exr::read_frame(options.input, {.samples_per_pixel = options.samples, .read_extra_layers = true});
-  const FrameReport report = inspect(input.frame());
+  exr::ReadOptions read{.samples_per_pixel = options.samples, .read_extra_layers = true, .require_variance = false};
+  apply(options.mapping, read);
+  const exr::LoadedFrame input = exr::read_frame(options.input, read);
+  const FrameReport report = input.frame().colour_variance[0] ? inspect(input.frame()) : FrameReport{};
   options.json ? print_json(input, report) : print_text(input, report);
 }
 
@@ -114,6 +117,7 @@ Action add_info(CLI::App& verb) {
   auto options = std::make_shared<InfoOptions>();
   verb.add_option("FILE", options->input, "OpenEXR file")->required();
   verb.add_option("--samples", options->samples, "Samples per pixel, for files that do not say");
+  declare(verb, options->mapping);
   verb.add_flag("--json", options->json, "Print JSON");
   verb.footer(kFooter);
   return [options] { info(*options); };

@@ -72,16 +72,27 @@ std::vector<std::string> full_names(const SourceFile& file, const Schema& schema
 
 bool is_colour(const std::optional<Match>& found) { return found && found->entry->role == Role::kColour; }
 
+/// Under the schema's own names of the colour.
+int part_with_colour(const SourceFile& file, const Schema& schema, const std::vector<std::string>& full) {
+  std::vector<unsigned> seen(static_cast<std::size_t>(file.parts()));  // a bit for each of R, G, B
+  for (std::size_t i = 0; i < full.size(); ++i) {
+    const int part = file.channels()[i].part;
+    const auto found = match(schema, full[i]);
+    if (!file.is_own(part) || !is_colour(found)) continue;
+    unsigned& colours = seen[static_cast<std::size_t>(part)];
+    colours |= 1U << static_cast<unsigned>(found->colours[0]);
+    if (colours == 7) return part;
+  }
+  return -1;
+}
+
 }  // namespace
 
 ChannelNames name_channels(const SourceFile& file, const Schema& schema) {
   ChannelNames names;
   if (is_colour(match(schema, "R"))) names.main_part = part_with_rgb(file, schema);
   names.full = full_names(file, schema, names.main_part);
-  for (std::size_t i = 0; i < names.full.size() && names.main_part < 0; ++i) {
-    const int part = file.channels()[i].part;
-    if (file.is_own(part) && is_colour(match(schema, names.full[i]))) names.main_part = part;
-  }
+  if (names.main_part < 0) names.main_part = part_with_colour(file, schema, names.full);
   return names;
 }
 

@@ -32,6 +32,7 @@ class FrameReader {
     data_.mapping = mapping_;
     data_.schema = std::string(mapping_.schema->name) + " (" + std::string(mapping_.schema->renderer) + ")";
     data_.missing = layout_.missing;
+    if (layout_.variance[0] < 0) data_.missing.push_back("no variance of the colour: " + remedy());
     data_.data_window = window_of(main);
     data_.colour_space = colour_space(main, file_.path());
     data_.frame.width = width_of(main);
@@ -73,13 +74,16 @@ class FrameReader {
     missing = absent(layout_.variance, "variance.");
     const bool has_some = std::any_of(layout_.variance.begin(), layout_.variance.end(), [](int i) { return i >= 0; });
     if (!missing.empty() && (options_.require_variance || has_some)) {
-      const std::string_view remedy = mapping_.schema->without_variance;
       fail(ErrorCode::kInvalidFrame,
-           "it has no " + missing + ", the variance of the mean colour; " +
-               (remedy.empty() ? "have the renderer write it, accumulate it from the samples, or merge several renders"
-                               : std::string(remedy)) +
-               " (docs/inputs.md); it has " + some_names());
+           "it has no " + missing + ", the variance of the mean colour; " + remedy() + "; it has " + some_names());
     }
+  }
+
+  [[nodiscard]] std::string remedy() const {
+    const std::string_view stated = mapping_.schema->without_variance;
+    return (stated.empty() ? "have the renderer write it, accumulate it from the samples, or merge several renders"
+                           : std::string(stated)) +
+           " (docs/inputs.md)";
   }
 
   static std::string absent(const std::array<int, 3>& channels, const std::string& layer) {
@@ -294,9 +298,25 @@ class FrameReader {
   std::vector<ConstPlaneView> views_;  // per channel of the file; absent where not read
 };
 
+void check_map(const PlaneMap& map) {
+  const std::size_t most = map.plane == "colour" ? 3 : map.plane == "samples" ? 1 : 4;
+  const std::size_t least = map.plane == "colour" ? 3 : 1;
+  const std::size_t count = map.mean.size();
+  if (map.plane.empty() || count < least || count > most) {
+    throw Error(ErrorCode::kInvalidArgument, "the map of plane '" + map.plane + "' has " + std::to_string(count) +
+                                                 " channels; give 3 for colour, 1 for samples, 1 to 4 for a feature");
+  }
+  if (!map.variance.empty() && (map.variance.size() != count || map.plane == "samples")) {
+    throw Error(ErrorCode::kInvalidArgument, "the map of plane '" + map.plane + "' has " +
+                                                 std::to_string(map.variance.size()) + " variances for " +
+                                                 std::to_string(count) + " channels; give one for each or none");
+  }
+}
+
 }  // namespace
 
 LoadedFrame read_frame(const std::string& path, const ReadOptions& options) {
+  for (const PlaneMap& map : options.maps) check_map(map);
   if (!(options.samples_per_pixel >= 0) || !std::isfinite(options.samples_per_pixel)) {
     throw Error(ErrorCode::kInvalidArgument, "ReadOptions::samples_per_pixel is " +
                                                  std::to_string(options.samples_per_pixel) +
