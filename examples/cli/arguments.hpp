@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "stein/exr.hpp"
 #include "stein/filters.hpp"
 
 namespace stein::cli {
@@ -15,5 +16,8 @@ namespace stein::cli {
 
 /// "normal=0.8"
 [[nodiscard]] FeatureSigma parse_feature_sigma(const std::string& text);
+
+/// "albedo=Diffuse.R,G,B:var=DiffuseVar.R,G,B": after a name with dots, a name without one is of the same layer.
+[[nodiscard]] exr::PlaneMap parse_plane_map(const std::string& text);
 
 }  // namespace stein::cli

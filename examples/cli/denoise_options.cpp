@@ -21,6 +21,7 @@ constexpr const char* kFooter =
     "  stein denoise noisy.exr -o clean.exr\n"
     "  stein denoise noisy.exr -o clean.exr --samples 16 --json report.json --quiet\n"
     "  stein denoise noisy.exr -o clean.exr --filter gaussian --risk monte-carlo\n"
+    "  stein denoise noisy.exr -o clean.exr --map albedo=Diffuse.R,G,B --variance-of sample --samples 16\n"
     "  stein denoise noisy.exr -o clean.exr --feature-sigma normal=0.4,albedo=0.1\n"
     "\n"
     "The filter rpf reads a file of raw samples (deep, as for stein accumulate) and writes the colour, and its error "
@@ -57,6 +58,7 @@ void declare_method(CLI::App& verb, DenoiseOptions& options) {
   declare(verb, options.filter);
   verb.add_option("--samples", options.samples, "Samples per pixel, for files that do not say")
       ->check(CLI::PositiveNumber);
+  declare(verb, options.mapping);
   verb.add_option("--risk", options.risk,
                   "How errors are estimated: sure and joint in closed form (joint: with the file's covariances), "
                   "monte-carlo by runs on perturbed input; auto: the best that filter and file allow")
@@ -99,8 +101,9 @@ DenoiseParams denoise_params(const DenoiseOptions& options) {
 
 exr::LoadedFrame read_input(const DenoiseOptions& options) {
   const bool needs_covariances = options.risk != "sure";
-  exr::LoadedFrame input =
-      exr::read_frame(options.input, {.samples_per_pixel = options.samples, .read_covariances = needs_covariances});
+  exr::ReadOptions read{.samples_per_pixel = options.samples, .read_covariances = needs_covariances};
+  apply(options.mapping, read);
+  exr::LoadedFrame input = exr::read_frame(options.input, read);
   for (const std::string& text : options.filter.feature_sigmas) {
     require_feature(input.frame(), parse_feature_sigma(text).name);
   }

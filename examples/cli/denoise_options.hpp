@@ -7,6 +7,7 @@
 #include <string>
 
 #include "filter_options.hpp"
+#include "mapping_options.hpp"
 #include "stein/denoise.hpp"
 #include "stein/exr.hpp"
 #include "verbs.hpp"
@@ -18,6 +19,7 @@ struct DenoiseOptions {
   std::string output;
   std::string json;
   FilterOptions filter;
+  MappingOptions mapping;
   std::string risk = "auto";
   int draws = MonteCarloParams{}.draws;
   std::uint64_t seed = MonteCarloParams{}.seed;

@@ -36,6 +36,9 @@ void print_mapping(const exr::LoadedFrame& input) {
   for (const std::string& text : input.missing()) {
     print_line("missing", text);
   }
+  for (const std::string& text : input.assumptions()) {
+    print_line("assumed", text);
+  }
 }
 
 void print_repairs(const DenoiseSummary& summary) {
@@ -95,6 +98,7 @@ void print_summary(const DenoiseSummary& summary) {
   const DenoiseReport& report = summary.report;
   print_line("input", summary.input.path() + ", " + size_text(summary.input));
   print_line("samples", samples_text(summary.input.frame()));
+  print_line("schema", summary.input.schema());
   print_mapping(summary.input);
   print_repairs(summary);
   print_line("filter", summary.filter);
@@ -133,7 +137,9 @@ nlohmann::ordered_json to_json(const DenoiseSummary& summary) {
           {"mean_estimated_error", report.mean_error},
           {"mean_estimated_relative_error", report.mean_relative_error},
           {"choice_share", choice_json(report)},
+          {"schema", summary.input.schema()},
           {"missing", summary.input.missing()},
+          {"assumed", summary.input.assumptions()},
           {"warnings", report.warnings}};
 }
 

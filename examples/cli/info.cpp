@@ -4,8 +4,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "frame_text.hpp"
+#include "mapping_options.hpp"
 #include "plane_statistics.hpp"
 #include "stein/exr.hpp"
 #include "stein/frame.hpp"
@@ -16,6 +18,7 @@ namespace {
 
 struct InfoOptions {
   std::string input;
+  MappingOptions mapping;
   float samples = 0;
   bool json = false;
 };
@@ -25,10 +28,18 @@ constexpr const char* kFooter =
     "  stein info noisy.exr\n"
     "  stein info noisy.exr --json";
 
+void print_list(const char* title, const std::vector<std::string>& lines) {
+  if (!lines.empty()) std::printf("\n%s\n", title);
+  for (const std::string& text : lines) {
+    std::printf("  %s\n", text.c_str());
+  }
+}
+
 void print_text(const exr::LoadedFrame& input, const FrameReport& report) {
   const Frame& frame = input.frame();
-  std::printf("%s\n%s\nsamples: %s\n", input.path().c_str(), size_text(input).c_str(), samples_text(frame).c_str());
-  std::printf("invalid pixels: %lld\n", static_cast<long long>(report.invalid_pixels));
+  std::printf("%s\n%s\nschema: %s\nsamples: %s\n", input.path().c_str(), size_text(input).c_str(),
+              input.schema().c_str(), samples_text(frame).c_str());
+  if (frame.colour_variance[0]) std::printf("invalid pixels: %lld\n", static_cast<long long>(report.invalid_pixels));
   for (std::size_t i = 0; i < report.bad_feature_pixels.size(); ++i) {
     std::printf("pixels without a usable %s: %lld\n", frame.features[i].name.c_str(),
                 static_cast<long long>(report.bad_feature_pixels[i]));
@@ -45,10 +56,8 @@ void print_text(const exr::LoadedFrame& input, const FrameReport& report) {
     std::printf("  %-26s %12.5g %12.5g %12.5g %10lld\n", name.c_str(), s.minimum, s.mean, s.maximum,
                 static_cast<long long>(s.non_finite));
   }
-  std::printf("%s", input.missing().empty() ? "" : "\nmissing\n");
-  for (const std::string& text : input.missing()) {
-    std::printf("  %s\n", text.c_str());
-  }
+  print_list("missing", input.missing());
+  print_list("assumed", input.assumptions());
 }
 
 nlohmann::ordered_json samples_json(const Frame& frame) {
@@ -83,19 +92,22 @@ void print_json(const exr::LoadedFrame& input, const FrameReport& report) {
                      {"width", frame.width},
                      {"height", frame.height},
                      {"data_window", input.data_window()},
+                     {"schema", input.schema()},
                      {"samples", samples_json(frame)},
                      {"invalid_pixels", report.invalid_pixels},
                      {"bad_feature_pixels", bad_features},
                      {"channels", channels},
                      {"planes", planes},
-                     {"missing", input.missing()}};
+                     {"missing", input.missing()},
+                     {"assumed", input.assumptions()}};
   std::printf("%s\n", json.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
 }
 
 void info(const InfoOptions& options) {
-  const exr::LoadedFrame input =
-      exr::read_frame(options.input, {.samples_per_pixel = options.samples, .read_extra_layers = true});
-  const FrameReport report = inspect(input.frame());
+  exr::ReadOptions read{.samples_per_pixel = options.samples, .read_extra_layers = true, .require_variance = false};
+  apply(options.mapping, read);
+  const exr::LoadedFrame input = exr::read_frame(options.input, read);
+  const FrameReport report = input.frame().colour_variance[0] ? inspect(input.frame()) : FrameReport{};
   options.json ? print_json(input, report) : print_text(input, report);
 }
 
@@ -105,6 +117,7 @@ Action add_info(CLI::App& verb) {
   auto options = std::make_shared<InfoOptions>();
   verb.add_option("FILE", options->input, "OpenEXR file")->required();
   verb.add_option("--samples", options->samples, "Samples per pixel, for files that do not say");
+  declare(verb, options->mapping);
   verb.add_flag("--json", options->json, "Print JSON");
   verb.footer(kFooter);
   return [options] { info(*options); };

@@ -16,6 +16,7 @@
 
 #include "cancel.hpp"
 #include "frame_text.hpp"
+#include "mapping_options.hpp"
 #include "merge_input.hpp"
 #include "output_file.hpp"
 #include "progress.hpp"
@@ -32,6 +33,7 @@ struct MergeOptions {
   std::vector<std::string> inputs;
   std::string output;
   std::vector<float> samples;
+  MappingOptions mapping;
   bool spread = false;
   bool quiet = false;
 };
@@ -75,7 +77,9 @@ void check_arguments(const MergeOptions& options) {
 exr::LoadedFrame read(const MergeOptions& options, std::size_t file) {
   const auto& samples = options.samples;
   const float given = samples.empty() ? 0 : samples[samples.size() == 1 ? 0 : file];
-  return exr::read_frame(options.inputs[file], {.samples_per_pixel = given, .require_variance = false});
+  exr::ReadOptions read{.samples_per_pixel = given, .require_variance = false};
+  apply(options.mapping, read);
+  return exr::read_frame(options.inputs[file], read);
 }
 
 class Merger {
@@ -166,6 +170,7 @@ Action add_merge(CLI::App& verb) {
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::PositiveNumber);
+  declare(verb, options->mapping);
   verb.add_flag("--spread", options->spread,
                 "Take variances from how the files differ, also where the files have some");
   verb.add_flag("--quiet", options->quiet, "No progress and no summary; warnings remain");

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -24,6 +25,21 @@ struct ChannelInfo {
   std::string role;  ///< in words, such as "feature albedo, variance of the mean"; empty: not used, carried over
 };
 
+/// What the planes called variances are.
+enum class VarianceOf : std::uint8_t {
+  kAsStated,      ///< by the schema of the file
+  kMean,          ///< variance of the mean
+  kSample,        ///< variance of single samples, n times that of the mean
+  kSecondMoment,  ///< mean of squares
+};
+
+/// Channels that make a plane group of the frame, whatever the schema says of them.
+struct PlaneMap {
+  std::string plane;                  ///< "colour", "samples", or the name of a feature
+  std::vector<std::string> mean;      ///< full channel names: 3 for the colour, 1 for samples, 1 to 4 for a feature
+  std::vector<std::string> variance;  ///< one per mean, or none
+};
+
 struct ReadOptions {
   /// Samples per pixel where the file has no `sampleCount` channel; 0: none given.
   float samples_per_pixel = 0;
@@ -31,7 +47,12 @@ struct ReadOptions {
   bool read_extra_layers = false;  ///< alpha and further colour layers into the Frame
   /// false: a file without variances of the colour is read as well. Its frame lacks them, so that `check` refuses it.
   bool require_variance = true;
+  std::string preset = {};                         ///< name of the schema; empty: found by the names of the channels
+  std::vector<PlaneMap> maps = {};                 ///< before the schema
+  VarianceOf variance_of = VarianceOf::kAsStated;  ///< of all variances, against the schema
 };
+
+struct WriteOptions;
 
 /// A frame read from a file together with the memory that its views look at. Movable; the views stay valid.
 class LoadedFrame {
@@ -53,17 +74,25 @@ class LoadedFrame {
   [[nodiscard]] std::array<float, 9> to_rec709() const noexcept;
   /// What the schema knows of and the file lacks, in words with the consequence.
   [[nodiscard]] const std::vector<std::string>& missing() const noexcept;
+  /// Whose names the channels bear, such as "pbrt (pbrt-v4, GBufferFilm)".
+  [[nodiscard]] const std::string& schema() const noexcept;
+  /// What is taken for granted though the file does not say it, in words.
+  [[nodiscard]] const std::vector<std::string>& assumptions() const noexcept;
 
   struct Data;
 
  private:
   friend LoadedFrame read_frame(const std::string& path, const ReadOptions& options);
+  friend void write_result(const std::string& path, const LoadedFrame& source, const DenoiseResult& result,
+                           const WriteOptions& options);
+  friend void write_frame(const std::string& path, const Frame& frame, const LoadedFrame& source);
   std::unique_ptr<Data> data_;
 };
 
-/// Reads the native schema from a single- or multi-part, scanline or tiled file of half, float or uint channels.
-/// @throws Error kIo (cannot open, truncated), kUnsupported (deep, subsampled), kInvalidFrame (planes missing), naming
-/// file and channel.
+/// Reads a single- or multi-part, scanline or tiled file of half, float or uint channels in one of the schemas of
+/// docs/inputs.md; where a renderer writes a file per buffer, the files beside it as well.
+/// @throws Error kIo (cannot open, truncated), kUnsupported (deep, subsampled), kInvalidFrame (planes missing),
+/// kInvalidArgument (options), naming file and channel.
 [[nodiscard]] LoadedFrame read_frame(const std::string& path, const ReadOptions& options = {});
 
 /// Any planes of a file by full channel names, whatever the schema: for comparing and looking.
@@ -74,7 +103,8 @@ struct NamedPlanes {
   std::array<float, 9> to_rec709{};
 };
 
-/// Reads the channels named, or, where `names` is empty, R, G and B. A name may carry its part as "part/channel".
+/// Reads the channels named, or, where `names` is empty, the colour as R, G and B. A name may carry its part as
+/// "part/channel".
 /// @throws Error as read_frame.
 [[nodiscard]] NamedPlanes read_planes(const std::string& path, const std::vector<std::string>& names = {});
 

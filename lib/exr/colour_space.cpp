@@ -18,24 +18,40 @@ namespace {
               "'" + path + "': the attribute chromaticities spans no colour space; correct or remove it");
 }
 
-ColourSpace from(const Imf::Chromaticities& primaries) {
-  // Imath multiplies row vectors: XYZ = RGB * M.
-  const Imath::M44f to_xyz = Imf::RGBtoXYZ(primaries, 1.0F);
-  const Imath::M44f to_rec709 = to_xyz * Imf::XYZtoRGB(Imf::Chromaticities(), 1.0F);
-  ColourSpace space;
+/// Imath multiplies row vectors: XYZ = RGB * M.
+std::array<float, 9> column_form(const Imath::M44f& matrix) {
+  std::array<float, 9> result = {};
   for (unsigned column = 0; column < 3; ++column) {
-    space.luminance_weights[column] = to_xyz.x[column][1];
-    for (unsigned row = 0; row < 3; ++row) space.to_rec709[row * 3 + column] = to_rec709.x[column][row];
+    for (unsigned row = 0; row < 3; ++row) result[row * 3 + column] = matrix.x[column][row];
   }
+  return result;
+}
+
+void set_xyz(const Imf::Chromaticities& primaries, ColourSpace& space) {
+  space.to_xyz = column_form(Imf::RGBtoXYZ(primaries, 1.0F));
+  space.from_xyz = column_form(Imf::XYZtoRGB(primaries, 1.0F));
+}
+
+ColourSpace from(const Imf::Chromaticities& primaries) {
+  ColourSpace space;
+  set_xyz(primaries, space);
+  space.to_rec709 = column_form(Imf::RGBtoXYZ(primaries, 1.0F) * Imf::XYZtoRGB(Imf::Chromaticities(), 1.0F));
+  for (unsigned c = 0; c < 3; ++c) space.luminance_weights[c] = space.to_xyz[3 + c];
+  return space;
+}
+
+ColourSpace rec709() {
+  ColourSpace space;
+  set_xyz(Imf::Chromaticities(), space);
   return space;
 }
 
 }  // namespace
 
 ColourSpace colour_space(const Imf::Header& header, const std::string& path) {
-  if (!Imf::hasChromaticities(header)) return {};
+  if (!Imf::hasChromaticities(header)) return rec709();
   const Imf::Chromaticities& primaries = Imf::chromaticities(header);
-  if (primaries == Imf::Chromaticities()) return {};
+  if (primaries == Imf::Chromaticities()) return rec709();
   ColourSpace space;
   try {
     space = from(primaries);

@@ -13,6 +13,8 @@ namespace stein::exr {
 struct ColourSpace {
   std::array<float, 3> luminance_weights = {0.2126F, 0.7152F, 0.0722F};
   std::array<float, 9> to_rec709 = {1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< row-major
+  std::array<float, 9> to_xyz = {};                              ///< row-major
+  std::array<float, 9> from_xyz = {};
 };
 
 /// Rec. 709 if the header has no chromaticities.

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Which channel of a file is what, under a schema.
+// Which channel of a file is what, under a mapping.
 #pragma once
 
 #include <array>
 #include <string>
 #include <vector>
 
+#include "exr/mapping.hpp"
 #include "exr/schema.hpp"
 #include "exr/source_file.hpp"
 
@@ -18,6 +19,7 @@ struct FeatureLayout {
   std::vector<int> mean;
   std::vector<int> variance;    ///< empty or one per mean
   std::vector<int> covariance;  ///< empty or [colour * mean.size() + k]
+  VarianceOf variance_of = VarianceOf::kMean;
 };
 
 struct LayerLayout {
@@ -32,6 +34,7 @@ struct Layout {
   std::vector<std::string> words;       ///< per channel: the role in words, empty for Role::kNone
   std::array<int, 3> colour = {-1, -1, -1};
   std::array<int, 3> variance = {-1, -1, -1};
+  VarianceOf variance_of = VarianceOf::kMean;    ///< of the colour
   std::array<int, 3> covariance = {-1, -1, -1};  ///< RG, RB, GB; all or none
   int alpha = -1;
   int sample_count = -1;
@@ -40,11 +43,14 @@ struct Layout {
   std::vector<std::string> missing;       ///< in words; nothing about sample counts
 };
 
-/// @throws Error kInvalidFrame for a feature of which the file holds only some planes, or too many channels.
-[[nodiscard]] Layout lay_out(const SourceFile& file, const Schema& schema);
+/// @throws Error kInvalidFrame for a feature of which the file holds only some planes, or too many channels;
+/// kInvalidArgument for maps of channels that the file lacks.
+[[nodiscard]] Layout lay_out(const SourceFile& file, const Mapping& mapping);
 
-/// The part that holds the colour (-1: none), and the channels' full names.
-[[nodiscard]] int find_main_part(const SourceFile& file, const Schema& schema);
-[[nodiscard]] std::vector<std::string> full_names(const SourceFile& file, const Schema& schema, int main_part);
+struct ChannelNames {
+  int main_part = -1;             ///< the part that holds the colour (-1: none)
+  std::vector<std::string> full;  ///< per channel
+};
+[[nodiscard]] ChannelNames name_channels(const SourceFile& file, const Schema& schema);
 
 }  // namespace stein::exr

@@ -15,5 +15,7 @@ std::array<int, 4> LoadedFrame::data_window() const noexcept { return data_->dat
 std::array<float, 3> LoadedFrame::luminance_weights() const noexcept { return data_->colour_space.luminance_weights; }
 std::array<float, 9> LoadedFrame::to_rec709() const noexcept { return data_->colour_space.to_rec709; }
 const std::vector<std::string>& LoadedFrame::missing() const noexcept { return data_->missing; }
+const std::string& LoadedFrame::schema() const noexcept { return data_->schema; }
+const std::vector<std::string>& LoadedFrame::assumptions() const noexcept { return data_->assumptions; }
 
 }  // namespace stein::exr

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "exr/colour_space.hpp"
+#include "exr/mapping.hpp"
 #include "stein/exr.hpp"
 
 namespace stein::exr {
@@ -33,12 +34,16 @@ class PlaneMemory {
 
 struct LoadedFrame::Data {
   std::string path;
+  Mapping mapping;
   PlaneMemory memory;
+  std::vector<Plane> converted;  // variances that the file holds in another form
   Frame frame;
   std::vector<ChannelInfo> channels;
   std::array<int, 4> data_window{};
   ColourSpace colour_space;
   std::vector<std::string> missing;
+  std::string schema;
+  std::vector<std::string> assumptions;
 };
 
 }  // namespace stein::exr

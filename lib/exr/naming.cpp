@@ -37,12 +37,11 @@ bool qualifies(const SourceFile& file, const Schema& schema, int part) {
   });
 }
 
-}  // namespace
-
-int find_main_part(const SourceFile& file, const Schema& schema) {
+/// By the habit of keeping R, G and B without a layer.
+int part_with_rgb(const SourceFile& file, const Schema& schema) {
   int found = -1;
   int rank_found = 0;
-  for (int part = 0; part < file.parts(); ++part) {
+  for (int part = 0; part < file.parts() && file.is_own(part); ++part) {
     if (!has_rgb(file.header(part)) || (file.parts() > 1 && is_layer(schema, file.part_name(part)))) continue;
     const bool usual =
         std::find(schema.main_parts.begin(), schema.main_parts.end(), file.part_name(part)) != schema.main_parts.end();
@@ -68,6 +67,32 @@ std::vector<std::string> full_names(const SourceFile& file, const Schema& schema
                           channel.name.rfind(part + ".", 0) == 0;
     names.push_back(as_it_is ? channel.name : part + "." + channel.name);
   }
+  return names;
+}
+
+bool is_colour(const std::optional<Match>& found) { return found && found->entry->role == Role::kColour; }
+
+/// Under the schema's own names of the colour.
+int part_with_colour(const SourceFile& file, const Schema& schema, const std::vector<std::string>& full) {
+  std::vector<unsigned> seen(static_cast<std::size_t>(file.parts()));  // a bit for each of R, G, B
+  for (std::size_t i = 0; i < full.size(); ++i) {
+    const int part = file.channels()[i].part;
+    const auto found = match(schema, full[i]);
+    if (!file.is_own(part) || !is_colour(found)) continue;
+    unsigned& colours = seen[static_cast<std::size_t>(part)];
+    colours |= 1U << static_cast<unsigned>(found->colours[0]);
+    if (colours == 7) return part;
+  }
+  return -1;
+}
+
+}  // namespace
+
+ChannelNames name_channels(const SourceFile& file, const Schema& schema) {
+  ChannelNames names;
+  if (is_colour(match(schema, "R"))) names.main_part = part_with_rgb(file, schema);
+  names.full = full_names(file, schema, names.main_part);
+  if (names.main_part < 0) names.main_part = part_with_colour(file, schema, names.full);
   return names;
 }
 

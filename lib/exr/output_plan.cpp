@@ -34,6 +34,7 @@ bool is_carried(Role role, const OutputRules& rules) {
     case Role::kFeatureVariance:
     case Role::kFeatureCovariance:
     case Role::kSampleCount:
+    case Role::kNoise:
       return rules.keep_inputs;
     case Role::kFeatureMean:
       return !rules.replace_frame;
@@ -77,7 +78,7 @@ Imf::Header scanline_header(const Imf::Header& source, bool keep_samples) {
 
 std::vector<PartPlan> plan_output(const SourceFile& source, const Layout& layout, const OutputRules& rules) {
   std::vector<PartPlan> plan;
-  for (int part = 0; part < source.parts(); ++part) {
+  for (int part = 0; part < source.parts() && source.is_own(part); ++part) {
     const bool is_main = part == layout.main_part;
     PartPlan next{part, !is_main, source.header(part), {}};
     for (std::size_t i = 0; i < source.channels().size(); ++i) {

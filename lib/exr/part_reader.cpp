@@ -16,10 +16,10 @@ Imf::Slice packed_slice(const Imf::Header& header, Imf::PixelType type, const vo
 PartReader::PartReader(SourceFile& file, int part) : top_(file.header(part).dataWindow().min.y) {
   file.require_complete(part);
   if (file.is_tiled(part)) {
-    tiles_.emplace(file.input(), part);
+    tiles_.emplace(file.input(part), file.number(part));
     block_rows_ = static_cast<int>(file.header(part).tileDescription().ySize);
   } else {
-    scanlines_.emplace(file.input(), part);
+    scanlines_.emplace(file.input(part), file.number(part));
     block_rows_ = kScanlineBlock;
   }
 }

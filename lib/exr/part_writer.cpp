@@ -25,7 +25,7 @@ constexpr int kRowsWithoutSource = 64;
 
 /// OpenEXR copies a deep chunk through a buffer of the size that the chunk claims.
 void check_chunk(const SourceFile& source, std::uint64_t bytes) {
-  if (bytes <= static_cast<std::uint64_t>(source.size())) return;
+  if (bytes <= static_cast<std::uint64_t>(source.size(0))) return;
   throw Error(ErrorCode::kIo, "cannot read '" + source.path() + "': a deep chunk claims to be longer than the file");
 }
 
@@ -60,7 +60,7 @@ void check_chunks(const SourceFile&, const Imf::TiledInputPart&) {}
 
 template <class In, class Out>
 void copy_as(SourceFile& source, int part, Imf::MultiPartOutputFile& output, int output_part) {
-  In in(source.input(), part);
+  In in(source.input(part), source.number(part));
   check_chunks(source, in);
   Out(output, output_part).copyPixels(in);
 }

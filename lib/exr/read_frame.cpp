@@ -2,10 +2,13 @@
 #include <ImfChannelList.h>
 #include <ImfFloatAttribute.h>
 #include <ImfIntAttribute.h>
+#include <ImfStringAttribute.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
+#include "exr/convert_variance.hpp"
 #include "exr/layout.hpp"
 #include "exr/loaded_frame.hpp"
 #include "exr/part_reader.hpp"
@@ -16,13 +19,20 @@ namespace {
 class FrameReader {
  public:
   FrameReader(const std::string& path, const ReadOptions& options, LoadedFrame::Data& data)
-      : options_(options), data_(data), file_(path), layout_(lay_out(file_, native_schema())) {}
+      : options_(options),
+        data_(data),
+        mapping_(mapping_of(path, options)),
+        file_(path, mapping_.companions),
+        layout_(lay_out(file_, mapping_)) {}
 
   void read() {
     require_colour();
     const Imf::Header& main = file_.header(layout_.main_part);
     data_.path = file_.path();
+    data_.mapping = mapping_;
+    data_.schema = std::string(mapping_.schema->name) + " (" + std::string(mapping_.schema->renderer) + ")";
     data_.missing = layout_.missing;
+    if (layout_.variance[0] < 0) data_.missing.push_back("no variance of the colour: " + remedy());
     data_.data_window = window_of(main);
     data_.colour_space = colour_space(main, file_.path());
     data_.frame.width = width_of(main);
@@ -33,10 +43,18 @@ class FrameReader {
     choose_planes();
     read_planes();
     fill_frame();
+    convert_variances();
     list_channels();
   }
 
  private:
+  static Mapping mapping_of(const std::string& path, const ReadOptions& options) {
+    Mapping mapping = find_mapping(path, options.preset);
+    mapping.maps = options.maps;
+    mapping.variance_of = options.variance_of;
+    return mapping;
+  }
+
   [[noreturn]] void fail(ErrorCode code, const std::string& what) const {
     throw Error(code, "'" + file_.path() + "': " + what);
   }
@@ -56,11 +74,16 @@ class FrameReader {
     missing = absent(layout_.variance, "variance.");
     const bool has_some = std::any_of(layout_.variance.begin(), layout_.variance.end(), [](int i) { return i >= 0; });
     if (!missing.empty() && (options_.require_variance || has_some)) {
-      fail(ErrorCode::kInvalidFrame, "it has no " + missing +
-                                         ", the variance of the mean colour; have the renderer write it, accumulate it "
-                                         "from the samples, or merge several renders (docs/inputs.md); it has " +
-                                         some_names());
+      fail(ErrorCode::kInvalidFrame,
+           "it has no " + missing + ", the variance of the mean colour; " + remedy() + "; it has " + some_names());
     }
+  }
+
+  [[nodiscard]] std::string remedy() const {
+    const std::string_view stated = mapping_.schema->without_variance;
+    return (stated.empty() ? "have the renderer write it, accumulate it from the samples, or merge several renders"
+                           : std::string(stated)) +
+           " (docs/inputs.md)";
   }
 
   static std::string absent(const std::array<int, 3>& channels, const std::string& layer) {
@@ -81,26 +104,52 @@ class FrameReader {
 
   void find_sample_count() {
     if (layout_.sample_count >= 0) return;
-    const float stated = attribute(kSamplesPerPixel);
-    if (stated < 1 && options_.samples_per_pixel < 1) {
-      fail(ErrorCode::kInvalidFrame,
-           "it has neither a channel sampleCount nor an attribute samplesPerPixel; pass the number of samples per "
-           "pixel");
+    const std::string name = samples_attribute();
+    float stated = attribute(name);
+    if (stated < 1) stated = attribute(kSamplesPerPixel);
+    if (stated >= 1 || options_.samples_per_pixel >= 1) {
+      data_.frame.uniform_sample_count = stated >= 1 ? stated : options_.samples_per_pixel;
+      data_.missing.push_back("no sampleCount: every pixel is taken to have " +
+                              std::to_string(std::lround(data_.frame.uniform_sample_count)) + " samples, as " +
+                              (stated >= 1 ? "the attribute " + name + " says" : "given"));
+      return;
     }
-    data_.frame.uniform_sample_count = stated >= 1 ? stated : options_.samples_per_pixel;
-    data_.missing.push_back("no sampleCount: every pixel is taken to have " +
-                            std::to_string(std::lround(data_.frame.uniform_sample_count)) + " samples, as " +
-                            (stated >= 1 ? "the attribute samplesPerPixel says" : "given"));
+    if (mapping_.schema->assumed_samples < 1 || variances_need_samples()) {
+      fail(ErrorCode::kInvalidFrame,
+           "it has neither a channel sampleCount nor an attribute samplesPerPixel" +
+               std::string(variances_need_samples() ? ", and its variances can only be told with the number of "
+                                                      "samples"
+                                                    : "") +
+               "; pass the number of samples per pixel (--samples N)");
+    }
+    data_.frame.uniform_sample_count = mapping_.schema->assumed_samples;
+    data_.assumptions.push_back("the number of samples is not stated, and taken as " +
+                                std::to_string(std::lround(data_.frame.uniform_sample_count)) +
+                                "; the variances do not depend on it (--samples N says it)");
+  }
+
+  [[nodiscard]] std::string samples_attribute() const {
+    std::string name(mapping_.schema->samples_attribute);
+    const std::size_t layer = name.find("<layer>");
+    return layer == std::string::npos ? name : name.replace(layer, 7, mapping_.bindings.layer);
+  }
+
+  [[nodiscard]] bool variances_need_samples() const {
+    return (layout_.variance[0] >= 0 && needs_samples(layout_.variance_of)) ||
+           std::any_of(layout_.features.begin(), layout_.features.end(),
+                       [](const FeatureLayout& f) { return !f.variance.empty() && needs_samples(f.variance_of); });
   }
 
   /// A number of the header; 0 where there is none that is positive.
-  [[nodiscard]] float attribute(const char* name) const {
+  [[nodiscard]] float attribute(const std::string& name) const {
     const Imf::Header& header = file_.header(layout_.main_part);
     float value = 0;
     if (const auto* whole = header.findTypedAttribute<Imf::IntAttribute>(name)) {
       value = static_cast<float>(whole->value());
     } else if (const auto* real = header.findTypedAttribute<Imf::FloatAttribute>(name)) {
       value = real->value();
+    } else if (const auto* text = header.findTypedAttribute<Imf::StringAttribute>(name)) {
+      value = std::strtof(text->value().c_str(), nullptr);
     }
     return std::isfinite(value) && value > 0 ? value : 0;
   }
@@ -221,6 +270,16 @@ class FrameReader {
     }
   }
 
+  void convert_variances() {
+    Frame& frame = data_.frame;
+    convert_colour_variance(frame, *mapping_.schema, layout_.variance_of, data_.colour_space, data_.converted);
+    for (std::size_t i = 0; i < frame.features.size(); ++i) {
+      convert_feature_variance(frame, frame.features[i], layout_.features[i].variance_of, data_.converted);
+    }
+    const auto& assumed = mapping_.schema->assumptions;
+    data_.assumptions.insert(data_.assumptions.end(), assumed.begin(), assumed.end());
+  }
+
   void list_channels() {
     for (std::size_t i = 0; i < file_.channels().size(); ++i) {
       const SourceChannel& from = file_.channels()[i];
@@ -232,15 +291,32 @@ class FrameReader {
 
   const ReadOptions& options_;
   LoadedFrame::Data& data_;
+  Mapping mapping_;
   SourceFile file_;
   Layout layout_;
   std::vector<int> planes_;            // to be read, as channel indices
   std::vector<ConstPlaneView> views_;  // per channel of the file; absent where not read
 };
 
+void check_map(const PlaneMap& map) {
+  const std::size_t most = map.plane == "colour" ? 3 : map.plane == "samples" ? 1 : 4;
+  const std::size_t least = map.plane == "colour" ? 3 : 1;
+  const std::size_t count = map.mean.size();
+  if (map.plane.empty() || count < least || count > most) {
+    throw Error(ErrorCode::kInvalidArgument, "the map of plane '" + map.plane + "' has " + std::to_string(count) +
+                                                 " channels; give 3 for colour, 1 for samples, 1 to 4 for a feature");
+  }
+  if (!map.variance.empty() && (map.variance.size() != count || map.plane == "samples")) {
+    throw Error(ErrorCode::kInvalidArgument, "the map of plane '" + map.plane + "' has " +
+                                                 std::to_string(map.variance.size()) + " variances for " +
+                                                 std::to_string(count) + " channels; give one for each or none");
+  }
+}
+
 }  // namespace
 
 LoadedFrame read_frame(const std::string& path, const ReadOptions& options) {
+  for (const PlaneMap& map : options.maps) check_map(map);
   if (!(options.samples_per_pixel >= 0) || !std::isfinite(options.samples_per_pixel)) {
     throw Error(ErrorCode::kInvalidArgument, "ReadOptions::samples_per_pixel is " +
                                                  std::to_string(options.samples_per_pixel) +

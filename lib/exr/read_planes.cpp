@@ -12,15 +12,15 @@ namespace {
 class PlanesReader {
  public:
   explicit PlanesReader(const std::string& path)
-      : file_(path),
-        main_part_(find_main_part(file_, native_schema())),
-        full_names_(full_names(file_, native_schema(), main_part_)) {}
+      : file_(path), mapping_(find_mapping(path)), names_(name_channels(file_, *mapping_.schema)) {}
 
   NamedPlanes read(std::vector<std::string> names) {
-    if (names.empty()) names = {"R", "G", "B"};
     std::vector<int> found;
-    found.reserve(names.size());
     for (const std::string& name : names) found.push_back(find(name));
+    if (names.empty()) {
+      found = find_colour();
+      names = {"R", "G", "B"};
+    }
     NamedPlanes result;
     const Imf::Header& first = file_.header(channel(found[0]).part);
     result.names = std::move(names);
@@ -37,12 +37,31 @@ class PlanesReader {
     return file_.channels()[static_cast<std::size_t>(index)];
   }
 
+  /// By the schema; by name where it knows none.
+  [[nodiscard]] std::vector<int> find_colour() const {
+    std::vector<int> found(3, -1);
+    std::vector<const SchemaEntry*> by(3);
+    for (std::size_t i = 0; i < names_.full.size(); ++i) {
+      const SourceChannel& from = file_.channels()[i];
+      const auto matched = match(*mapping_.schema, names_.full[i], mapping_.bindings);
+      if (from.part != names_.main_part || !matched || matched->entry->role != Role::kColour) continue;
+      const auto c = static_cast<std::size_t>(matched->colours[0]);
+      if (by[c] != nullptr && by[c] <= matched->entry) continue;
+      found[c] = static_cast<int>(i);
+      by[c] = matched->entry;
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (found[c] < 0) found[c] = find(std::string(1, "RGB"[c]));
+    }
+    return found;
+  }
+
   /// By "part/channel", by full name, or by the name in the file where only one part has it.
   [[nodiscard]] int find(const std::string& name) const {
     const auto count = static_cast<int>(file_.channels().size());
     int by_name = -1;
     for (int i = 0; i < count; ++i) {
-      if (full_names_[static_cast<std::size_t>(i)] == name ||
+      if (names_.full[static_cast<std::size_t>(i)] == name ||
           file_.part_name(channel(i).part) + "/" + channel(i).name == name) {
         return i;
       }
@@ -50,7 +69,7 @@ class PlanesReader {
     }
     if (by_name >= 0) return by_name;
     std::string list;
-    for (const std::string& known : full_names_) list += (list.empty() ? "" : ", ") + known;
+    for (const std::string& known : names_.full) list += (list.empty() ? "" : ", ") + known;
     throw Error(ErrorCode::kInvalidFrame, "'" + file_.path() + "': it has no channel " + name + "; it has " + list);
   }
 
@@ -94,8 +113,8 @@ class PlanesReader {
   }
 
   SourceFile file_;
-  int main_part_;
-  std::vector<std::string> full_names_;
+  Mapping mapping_;
+  ChannelNames names_;
 };
 
 }  // namespace

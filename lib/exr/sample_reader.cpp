@@ -59,10 +59,10 @@ void check_plausible(const SourceFile& file, int part) {
   const auto row_bytes = static_cast<std::int64_t>(DeepRow::kHeaderBytes) + kOffsetBytes;
   const std::int64_t ratio = largest_ratio(header.compression());
   const std::int64_t table_bytes = width * height * static_cast<std::int64_t>(sizeof(std::uint32_t));
-  if (height > file.size() / row_bytes || table_bytes / ratio > file.size()) {
+  if (height > file.size(part) / row_bytes || table_bytes / ratio > file.size(part)) {
     fail(ErrorCode::kIo, file.path(),
          "its data window of " + std::to_string(width) + " x " + std::to_string(height) + " pixels cannot fit in its " +
-             std::to_string(file.size()) + " bytes: it is truncated or damaged");
+             std::to_string(file.size(part)) + " bytes: it is truncated or damaged");
   }
 }
 
@@ -90,14 +90,14 @@ SampleReader::Data::Data(const std::string& path)
       selection(select_from(path, row, channels)) {
   check_plausible(file, part);
   file.require_complete(part);
-  input.emplace(file.input(), part);
+  input.emplace(file.input(part), part);
 }
 
 void SampleReader::Data::read_chunk(int y) {
   try {
     std::uint64_t bytes = 0;
     input->rawPixelData(y, nullptr, bytes);
-    if (bytes > static_cast<std::uint64_t>(file.size())) {
+    if (bytes > static_cast<std::uint64_t>(file.size(part))) {
       throw std::runtime_error("its chunk claims to be longer than the file: it is truncated or damaged");
     }
     // OpenEXR adds up what the file says, beyond 2^64, and writes its header into whatever it is given.

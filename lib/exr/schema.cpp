@@ -2,106 +2,134 @@
 #include "exr/schema.hpp"
 
 #include <algorithm>
-#include <array>
+#include <set>
+
+#include "stein/error.hpp"
 
 namespace stein::exr {
 namespace {
 
-constexpr std::array kNativeEntries = {
-    SchemaEntry{"<C>", Role::kColour},
-    SchemaEntry{"A", Role::kAlpha},
-    SchemaEntry{"sampleCount", Role::kSampleCount},
-    SchemaEntry{"variance.<C>", Role::kColourVariance, VarianceOf::kMean},
-    SchemaEntry{"covariance.<C>.<C>", Role::kColourCovariance, VarianceOf::kMean},
-    SchemaEntry{"covariance.<C>.<feature>.<c>", Role::kFeatureCovariance, VarianceOf::kMean},
-    SchemaEntry{"error.<c>", Role::kEarlierResult},
-    SchemaEntry{"choice.<c>", Role::kEarlierResult},
-    SchemaEntry{"density.<c>", Role::kEarlierResult},
-    SchemaEntry{"noisy.<C>", Role::kNoisyColour},
-    SchemaEntry{"<feature>.variance.<c>", Role::kFeatureVariance, VarianceOf::kMean},
-    SchemaEntry{"<feature>.<c>", Role::kFeatureMean},
-};
-
-constexpr std::array kNativeFeatures = {
-    KnownFeature{"albedo", "textures guide nothing"},
-    KnownFeature{"normal", "creases of the geometry guide nothing"},
-    KnownFeature{"depth", "edges between near and far guide nothing"},
-    KnownFeature{"position", "places in the scene guide nothing"},
-    KnownFeature{"visibility", "edges of shadows guide nothing"},
-};
-
-constexpr std::array<std::string_view, 11> kMainParts = {"",       "rgba", "RGBA", "rgb",      "RGB",  "beauty",
-                                                         "Beauty", "C",    "main", "Combined", "color"};
-
-std::vector<std::string_view> split(std::string_view name) {
-  std::vector<std::string_view> tokens;
-  std::size_t begin = 0;
-  for (std::size_t dot = name.find('.'); dot != std::string_view::npos; dot = name.find('.', begin)) {
-    tokens.push_back(name.substr(begin, dot - begin));
-    begin = dot + 1;
-  }
-  tokens.push_back(name.substr(begin));
-  return tokens;
+/// Parts between dots, none of them empty.
+bool is_parts(std::string_view text) {
+  return !text.empty() && text.front() != '.' && text.back() != '.' && text.find("..") == std::string_view::npos;
 }
 
-bool match_token(std::string_view pattern, std::string_view token, Match& result) {
-  if (pattern == "<C>") {
-    const std::size_t index = std::string_view("RGB").find(token);
-    if (token.size() != 1 || index == std::string_view::npos) return false;
-    result.colours.push_back(static_cast<int>(index));
-    return true;
-  }
-  if (pattern == "<c>") {
-    result.component = token;
-    return !token.empty();
-  }
-  return pattern == token;
-}
+bool is_one_part(std::string_view text) { return !text.empty() && text.find('.') == std::string_view::npos; }
 
-std::optional<Match> match_entry(const SchemaEntry& entry, const std::vector<std::string_view>& tokens) {
-  const std::vector<std::string_view> pattern = split(entry.pattern);
-  if (tokens.size() < pattern.size()) return std::nullopt;
-  Match result;
-  result.entry = &entry;
-  std::size_t next = 0;
-  for (const std::string_view item : pattern) {
-    if (item == "<feature>") {
-      // It alone can take more than one name part, so it takes all that the others leave.
-      const std::size_t last = next + tokens.size() - pattern.size();
-      for (; next <= last; ++next) {
-        if (tokens[next].empty()) return std::nullopt;
-        result.feature.append(result.feature.empty() ? "" : ".").append(tokens[next]);
-      }
-    } else if (!match_token(item, tokens[next++], result)) {
-      return std::nullopt;
+class Matcher {
+ public:
+  explicit Matcher(const Bindings& bindings) { match_.bindings = bindings; }
+
+  bool run(std::string_view pattern, std::string_view name) {
+    if (pattern.empty()) return name.empty();
+    if (pattern.front() == '*') return wildcard(pattern.substr(1), name);
+    if (pattern.front() != '<') {
+      return !name.empty() && name.front() == pattern.front() && run(pattern.substr(1), name.substr(1));
     }
+    const std::size_t end = pattern.find('>');
+    return placeholder(pattern.substr(1, end - 1), pattern.substr(end + 1), name);
   }
-  if (next != tokens.size()) return std::nullopt;
-  if (entry.role == Role::kColourCovariance && result.colours[0] == result.colours[1]) return std::nullopt;
-  return result;
-}
+
+  [[nodiscard]] Match result() const { return match_; }
+
+ private:
+  bool wildcard(std::string_view rest, std::string_view name) {
+    for (std::size_t length = 0; length <= name.size(); ++length) {
+      if (run(rest, name.substr(length))) return true;
+      if (length < name.size() && name[length] == '.') return false;
+    }
+    return false;
+  }
+
+  bool placeholder(std::string_view what, std::string_view rest, std::string_view name) {
+    if (what == "C") return colour("RGB", rest, name);
+    if (what == "rgb") return colour("RGB", rest, name) || colour("rgb", rest, name);
+    if (what == "X") return colour("XYZ", rest, name);
+    if (what == "c") return text(match_.component, is_one_part, rest, name);
+    if (what == "feature") return text(match_.feature, is_parts, rest, name);
+    std::string& bound = what == "layer" ? match_.bindings.layer : match_.bindings.image;
+    if (bound.empty()) return text(bound, is_parts, rest, name);
+    return name.substr(0, bound.size()) == bound && run(rest, name.substr(bound.size()));
+  }
+
+  bool colour(std::string_view letters, std::string_view rest, std::string_view name) {
+    const std::size_t index = name.empty() ? std::string_view::npos : letters.find(name.front());
+    if (index == std::string_view::npos) return false;
+    match_.colours.push_back(static_cast<int>(index));
+    match_.component = name.front();
+    if (run(rest, name.substr(1))) return true;
+    match_.colours.pop_back();
+    return false;
+  }
+
+  bool text(std::string& into, bool (*fits)(std::string_view), std::string_view rest, std::string_view name) {
+    for (std::size_t length = 1; length <= name.size(); ++length) {
+      if (!fits(name.substr(0, length))) continue;
+      into = name.substr(0, length);
+      if (run(rest, name.substr(length))) return true;
+    }
+    into.clear();
+    return false;
+  }
+
+  Match match_;
+};
 
 }  // namespace
 
-bool Schema::knows_feature(std::string_view name) const {
-  return std::any_of(features.begin(), features.end(), [&](const KnownFeature& known) { return known.name == name; });
+bool Schema::knows_feature(std::string_view feature) const {
+  return std::any_of(features.begin(), features.end(),
+                     [&](const KnownFeature& known) { return known.name == feature; });
 }
 
-const Schema& native_schema() {
-  static constexpr Schema kSchema{kNativeEntries, kNativeFeatures, kMainParts};
-  return kSchema;
+std::vector<const Schema*> schemas_named(std::string_view name) {
+  std::vector<const Schema*> found;
+  std::set<std::string> names;
+  for (const Schema& schema : schemas()) {
+    names.emplace(schema.name);
+    if (schema.name == name) found.push_back(&schema);
+  }
+  if (!found.empty()) return found;
+  std::string list;
+  for (const std::string& known : names) list += (list.empty() ? "" : ", ") + known;
+  throw Error(ErrorCode::kInvalidArgument, "there is no preset '" + std::string(name) + "'; there are " + list);
 }
 
-std::optional<Match> match(const Schema& schema, std::string_view name) {
-  const std::vector<std::string_view> tokens = split(name);
+std::optional<Match> match_pattern(std::string_view pattern, std::string_view name, const Bindings& bindings) {
+  Matcher matcher(bindings);
+  if (!matcher.run(pattern, name)) return std::nullopt;
+  return matcher.result();
+}
+
+std::optional<Match> match(const Schema& schema, std::string_view name, const Bindings& bindings) {
   for (const SchemaEntry& entry : schema.entries) {
-    if (std::optional<Match> found = match_entry(entry, tokens)) return found;
+    std::optional<Match> found = match_pattern(entry.pattern, name, bindings);
+    if (!found) continue;
+    if (entry.role == Role::kColourCovariance && found->colours[0] == found->colours[1]) continue;
+    found->entry = &entry;
+    if (!entry.feature.empty()) found->feature = entry.feature;
+    if (!entry.component.empty()) found->component = entry.component;
+    return found;
   }
   return std::nullopt;
 }
 
-std::string describe(const Match& match) {
-  const std::string of = match.entry->variance_of == VarianceOf::kMean ? " of the mean" : "";
+std::string words_of(VarianceOf variance_of) {
+  switch (variance_of) {
+    case VarianceOf::kMean:
+      return " of the mean";
+    case VarianceOf::kSample:
+      return " of single samples";
+    case VarianceOf::kSecondMoment:
+      return " from the mean of squares";
+    case VarianceOf::kAsStated:
+      break;
+  }
+  return {};
+}
+
+std::string describe(const Match& match, VarianceOf variance_of) {
+  const std::string of = words_of(variance_of);
   switch (match.entry->role) {
     case Role::kColour:
       return "colour, mean";
@@ -123,6 +151,8 @@ std::string describe(const Match& match) {
       return "earlier result, replaced on writing";
     case Role::kNoisyColour:
       return "noisy colour of an earlier run";
+    case Role::kNoise:
+      return "noise, not used";
     case Role::kNone:
       break;
   }

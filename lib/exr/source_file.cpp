@@ -64,9 +64,9 @@ void check_plausible(const SourceFile& file, int part) {
   const std::int64_t width = std::int64_t{box.max.x} - box.min.x + 1;
   const std::int64_t height = std::int64_t{box.max.y} - box.min.y + 1;
   const std::string size = std::to_string(width) + " x " + std::to_string(height);
-  if (width < 1 || height < 1) fail(file.path(), "its data window is empty");
+  if (width < 1 || height < 1) fail(file.path(part), "its data window is empty");
   if (width > kMaxSide || height > kMaxSide || width * height > kMaxPixels) {
-    fail(file.path(), "its data window of " + size + " pixels is larger than any image stein reads (2^30 pixels)");
+    fail(file.path(part), "its data window of " + size + " pixels is larger than any image stein reads (2^30 pixels)");
   }
   // Subsampled channels hold fewer samples than pixels: they are refused where they matter, and counted as empty here.
   // So is a deep part as a whole: it is never decoded, and may hold no samples.
@@ -76,17 +76,17 @@ void check_plausible(const SourceFile& file, int part) {
   }
   const std::int64_t ratio = largest_ratio(header.compression());
   const std::int64_t plausible =
-      file.size() > std::numeric_limits<std::int64_t>::max() / ratio ? file.size() : file.size() * ratio;
+      file.size(part) > std::numeric_limits<std::int64_t>::max() / ratio ? file.size(part) : file.size(part) * ratio;
   if (!file.is_deep(part) && pixel_bytes > 0 && width * height > plausible / pixel_bytes) {
-    fail(file.path(), "its data window of " + size + " pixels cannot fit in its " + std::to_string(file.size()) +
-                          " bytes: it is truncated or damaged");
+    fail(file.path(part), "its data window of " + size + " pixels cannot fit in its " +
+                              std::to_string(file.size(part)) + " bytes: it is truncated or damaged");
   }
   if (header.hasTileDescription()) {
     const Imf::TileDescription& tiles = header.tileDescription();
-    if (tiles.xSize > kMaxSide || tiles.ySize > kMaxSide) fail(file.path(), "its tiles are larger than any image");
+    if (tiles.xSize > kMaxSide || tiles.ySize > kMaxSide) fail(file.path(part), "its tiles are larger than any image");
   }
   if (chunk_bytes(header) > std::max(plausible, kAlwaysAllowedChunkBytes)) {
-    fail(file.path(), "its chunks are larger than the file can hold: it is damaged");
+    fail(file.path(part), "its chunks are larger than the file can hold: it is damaged");
   }
 }
 
@@ -101,25 +101,34 @@ std::int64_t regular_size(const std::string& path) {
 
 }  // namespace
 
-SourceFile::SourceFile(std::string path) : path_(std::move(path)) {
-  with_io_errors("read '" + path_ + "'", [&] {
-    size_ = regular_size(path_);
-    check_header_sizes(path_, size_);
-    stream_ = std::make_unique<GuardedStream>(path_);
+SourceFile::SourceFile(std::string path, const std::vector<Companion>& companions) {
+  open(std::move(path), {});
+  for (const Companion& companion : companions) open(companion.path, companion.name);
+}
+
+void SourceFile::open(std::string path, std::string name) {
+  File& file = files_.emplace_back(File{std::move(path), std::move(name), 0, nullptr, nullptr});
+  with_io_errors("read '" + file.path + "'", [&] {
+    file.size = regular_size(file.path);
+    check_header_sizes(file.path, file.size);
+    file.stream = std::make_unique<GuardedStream>(file.path);
     // A table of chunks with holes is the mark of an unfinished file: not reconstructed, but reported.
-    input_ = std::make_unique<Imf::MultiPartInputFile>(*stream_, Imf::globalThreadCount(), false);
-    for (int part = 0; part < parts(); ++part) {
+    file.input = std::make_unique<Imf::MultiPartInputFile>(*file.stream, Imf::globalThreadCount(), false);
+    const int first = parts();
+    for (int part = 0; part < file.input->parts(); ++part) parts_.push_back({files_.size() - 1, part});
+    for (int part = first; part < parts(); ++part) {
       const Imf::ChannelList& list = header(part).channels();
       for (auto it = list.begin(); it != list.end(); ++it) {
         const Imf::Channel& channel = it.channel();
         channels_.push_back({part, it.name(), channel.type, channel.xSampling != 1 || channel.ySampling != 1});
       }
     }
-    for (int part = 0; part < parts(); ++part) check_plausible(*this, part);
+    for (int part = first; part < parts(); ++part) check_plausible(*this, part);
   });
 }
 
 std::string SourceFile::part_name(int part) const {
+  if (!is_own(part)) return files_[at(part).file].name;
   return header(part).hasName() ? header(part).name() : std::string();
 }
 
@@ -128,10 +137,10 @@ bool SourceFile::is_deep(int part) const { return header(part).hasType() && Imf:
 bool SourceFile::is_tiled(int part) const { return header(part).hasTileDescription() && !is_deep(part); }
 
 void SourceFile::require_complete(int part) const {
-  if (input_->partComplete(part)) return;
-  fail(path_, std::string(is_tiled(part) ? "tiles" : "scanlines") + " are missing" +
-                  (parts() > 1 ? " in part '" + part_name(part) + "'" : "") +
-                  ": the file was not written to its end; render or copy it again");
+  if (files_[at(part).file].input->partComplete(number(part))) return;
+  fail(path(part), std::string(is_tiled(part) ? "tiles" : "scanlines") + " are missing" +
+                       (parts() > 1 ? " in part '" + part_name(part) + "'" : "") +
+                       ": the file was not written to its end; render or copy it again");
 }
 
 std::int64_t largest_ratio(Imf::Compression compression) {

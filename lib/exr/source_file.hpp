@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // An OpenEXR file opened for reading and checked: nothing that its header promises is larger than the file can hold.
+// Files that belong to it, for renderers that write one per buffer, add their parts behind its own.
 #pragma once
 
 #include <ImfCompression.h>
@@ -30,16 +31,27 @@ struct SourceChannel {
   bool subsampled = false;
 };
 
+/// A further file, whose parts are to bear its name.
+struct Companion {
+  std::string path;
+  std::string name;
+  bool operator==(const Companion&) const = default;
+};
+
 class SourceFile {
  public:
   /// @throws Error kIo naming the file.
-  explicit SourceFile(std::string path);
+  explicit SourceFile(std::string path, const std::vector<Companion>& companions = {});
 
-  [[nodiscard]] const std::string& path() const noexcept { return path_; }
-  [[nodiscard]] Imf::MultiPartInputFile& input() noexcept { return *input_; }
-  [[nodiscard]] std::int64_t size() const noexcept { return size_; }  ///< bytes
-  [[nodiscard]] int parts() const { return input_->parts(); }
-  [[nodiscard]] const Imf::Header& header(int part) const { return input_->header(part); }
+  [[nodiscard]] const std::string& path() const noexcept { return files_[0].path; }
+  [[nodiscard]] int parts() const noexcept { return static_cast<int>(parts_.size()); }
+  [[nodiscard]] bool is_own(int part) const { return at(part).file == 0; }  ///< not of a companion
+  [[nodiscard]] const std::string& path(int part) const { return files_[at(part).file].path; }
+  [[nodiscard]] std::int64_t size(int part) const { return files_[at(part).file].size; }  ///< bytes of its file
+  /// The part's file, and its number there.
+  [[nodiscard]] Imf::MultiPartInputFile& input(int part) { return *files_[at(part).file].input; }
+  [[nodiscard]] int number(int part) const { return at(part).number; }
+  [[nodiscard]] const Imf::Header& header(int part) const { return files_[at(part).file].input->header(number(part)); }
   [[nodiscard]] std::string part_name(int part) const;
   [[nodiscard]] bool is_deep(int part) const;
   [[nodiscard]] bool is_tiled(int part) const;
@@ -50,10 +62,23 @@ class SourceFile {
   void require_complete(int part) const;
 
  private:
-  std::string path_;
-  std::int64_t size_ = 0;
-  std::unique_ptr<GuardedStream> stream_;
-  std::unique_ptr<Imf::MultiPartInputFile> input_;
+  struct File {
+    std::string path;
+    std::string name;  // of a companion
+    std::int64_t size = 0;
+    std::unique_ptr<GuardedStream> stream;
+    std::unique_ptr<Imf::MultiPartInputFile> input;
+  };
+  struct Part {
+    std::size_t file = 0;
+    int number = 0;
+  };
+
+  void open(std::string path, std::string name);
+  [[nodiscard]] const Part& at(int part) const { return parts_[static_cast<std::size_t>(part)]; }
+
+  std::vector<File> files_;
+  std::vector<Part> parts_;
   std::vector<SourceChannel> channels_;
 };
 

@@ -21,16 +21,16 @@ void check_size(const std::string& path, const Frame& frame, const std::string& 
                                                std::to_string(frame.width) + " x " + std::to_string(frame.height));
 }
 
-/// What is new in the main part.
+/// What is new in the main part; the colour under the names it has there.
 std::vector<MemoryChannel> result_channels(const std::string& path, const Frame& frame, const DenoiseResult& result,
-                                           const WriteOptions& options) {
+                                           const WriteOptions& options, const std::array<std::string, 3>& names) {
   std::vector<MemoryChannel> channels;
   const auto add = [&](const std::string& name, const Plane& plane, Imf::PixelType type) {
     check_size(path, frame, name, plane);
     channels.push_back({name, type, plane.view()});
   };
   for (std::size_t c = 0; c < 3; ++c) {
-    add(kRgb[c], result.colour[c], options.half_colour ? Imf::HALF : Imf::FLOAT);
+    add(names[c], result.colour[c], options.half_colour ? Imf::HALF : Imf::FLOAT);
     if (options.error) add(std::string("error.") + kRgb[c], result.error[c], Imf::FLOAT);
     const ConstPlaneView& noisy = frame.colour[c];
     if (options.noisy) channels.push_back({std::string("noisy.") + kRgb[c], pixel_type(noisy.type()), noisy});
@@ -41,13 +41,19 @@ std::vector<MemoryChannel> result_channels(const std::string& path, const Frame&
 }
 
 /// The source as it is now, which must still be the file that was read.
-Layout reopened_layout(const SourceFile& file, const LoadedFrame& source) {
-  Layout layout = lay_out(file, native_schema());
+Layout reopened_layout(const SourceFile& file, const LoadedFrame& source, const Mapping& mapping) {
+  Layout layout = lay_out(file, mapping);
   if (layout.main_part < 0 || file.channels().size() != source.channels().size() ||
       window_of(file.header(layout.main_part)) != source.data_window()) {
     throw Error(ErrorCode::kIo, "'" + file.path() + "' has changed since it was read; read it again");
   }
   return layout;
+}
+
+std::array<std::string, 3> colour_names(const SourceFile& file, const Layout& layout) {
+  std::array<std::string, 3> names;
+  for (std::size_t c = 0; c < 3; ++c) names[c] = file.channels()[static_cast<std::size_t>(layout.colour[c])].name;
+  return names;
 }
 
 void write_parts(SourceFile& file, const std::vector<PartPlan>& plan, int main_part,
@@ -95,10 +101,11 @@ void write_frame(const std::string& path, const Frame& frame, const LoadedFrame&
                     std::to_string(frame.height) + " pixels, but the source '" + source.path() + "' has " +
                     std::to_string(source.frame().width) + " x " + std::to_string(source.frame().height));
   }
+  const Mapping& mapping = source.data_->mapping;
   const std::vector<MemoryChannel> channels = frame_channels(frame);
   with_io_errors("write '" + path + "' from '" + source.path() + "'", [&] {
-    SourceFile file(source.path());
-    const Layout layout = reopened_layout(file, source);
+    SourceFile file(source.path(), mapping.companions);
+    const Layout layout = reopened_layout(file, source, mapping);
     OutputRules rules{false, true, true, {}};
     for (const MemoryChannel& channel : channels) rules.new_channels.emplace_back(channel.name, channel.type);
     std::vector<PartPlan> plan = plan_output(file, layout, rules);
@@ -111,10 +118,12 @@ void write_frame(const std::string& path, const Frame& frame, const LoadedFrame&
 
 void write_result(const std::string& path, const LoadedFrame& source, const DenoiseResult& result,
                   const WriteOptions& options) {
-  const std::vector<MemoryChannel> channels = result_channels(path, source.frame(), result, options);
+  const Mapping& mapping = source.data_->mapping;
   with_io_errors("write '" + path + "' from '" + source.path() + "'", [&] {
-    SourceFile file(source.path());
-    const Layout layout = reopened_layout(file, source);
+    SourceFile file(source.path(), mapping.companions);
+    const Layout layout = reopened_layout(file, source, mapping);
+    const std::vector<MemoryChannel> channels =
+        result_channels(path, source.frame(), result, options, colour_names(file, layout));
     OutputRules rules{options.inputs, options.noisy, false, {}};
     for (const MemoryChannel& channel : channels) rules.new_channels.emplace_back(channel.name, channel.type);
     const std::vector<PartPlan> plan = plan_output(file, layout, rules);

@@ -2,11 +2,14 @@
 #include "stein/exr.hpp"
 
 #include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <utility>
 
 #include "frame.hpp"
@@ -15,10 +18,36 @@
 namespace stein::python {
 namespace {
 
-InputFrame read(const std::filesystem::path& path, float samples, bool covariances) {
+using Names = std::vector<std::string>;
+
+exr::VarianceOf variance_of(const std::optional<std::string>& word) {
+  if (!word) return exr::VarianceOf::kAsStated;
+  if (*word == "mean") return exr::VarianceOf::kMean;
+  if (*word == "sample") return exr::VarianceOf::kSample;
+  if (*word == "m2") return exr::VarianceOf::kSecondMoment;
+  refuse("variance_of is '" + *word + "'; it can be: mean, sample, m2");
+}
+
+// The names of the mean's channels, or those and the names of the variance's.
+exr::PlaneMap map_of(const std::string& plane, nb::handle value) {
+  exr::PlaneMap map{plane, {}, {}};
+  std::pair<Names, Names> both;
+  if (nb::isinstance<nb::tuple>(value) ? nb::try_cast(value, both) : nb::try_cast(value, both.first)) {
+    map.mean = std::move(both.first);
+    map.variance = std::move(both.second);
+    return map;
+  }
+  refuse("the map of '" + plane + "' is neither a list of channels nor (list of channels, list of their variances)");
+}
+
+InputFrame read(const std::filesystem::path& path, float samples, bool covariances, const std::string& preset,
+                const nb::dict& maps, const std::optional<std::string>& variances) {
+  exr::ReadOptions options{.samples_per_pixel = samples, .read_covariances = covariances, .preset = preset};
+  for (const auto [plane, value] : maps) options.maps.push_back(map_of(nb::cast<std::string>(plane), value));
+  options.variance_of = variance_of(variances);
   InputFrame input;
   const nb::gil_scoped_release released;
-  input.file = exr::read_frame(path.string(), {.samples_per_pixel = samples, .read_covariances = covariances});
+  input.file = exr::read_frame(path.string(), options);
   input.frame = input.file->frame();
   return input;
 }
@@ -70,8 +99,18 @@ void write_frame(const std::filesystem::path& path, const InputFrame& input) {
 }  // namespace
 
 void bind_exr(nb::module_& module) {
-  module.def("read", read, nb::arg("path"), nb::kw_only(), nb::arg("samples") = 0.0F, nb::arg("covariances") = true,
-             "Reads a frame from an OpenEXR file.\n\nsamples: per pixel, for files that do not say.");
+  module.def(
+      "read", read, nb::arg("path"), nb::kw_only(), nb::arg("samples") = 0.0F, nb::arg("covariances") = true,
+      nb::arg("preset") = "", nb::arg("maps") = nb::dict(), nb::arg("variance_of") = nb::none(),
+      "Reads a frame from an OpenEXR file. docs/inputs.md says which there can be.\n\n"
+      "samples: per pixel, for files that do not say.\n"
+      "preset: whose names the channels bear, such as 'pbrt'; left out, it is found by the names.\n"
+      "maps: channels of planes, whatever the preset says: {'albedo': ['D.R', 'D.G', 'D.B']}, or with the channels of\n"
+      "the variance, {'albedo': (['D.R', 'D.G', 'D.B'], ['V.R', 'V.G', 'V.B'])}.\n"
+      "variance_of: what all variances of the file are, against the preset: 'mean', 'sample' or 'm2'.",
+      nb::sig("def read(path: str | os.PathLike[str], *, samples: float = 0.0, covariances: bool = True, "
+              "preset: str = '', maps: collections.abc.Mapping[str, stein._types.Channels] = {}, "
+              "variance_of: typing.Literal['mean', 'sample', 'm2'] | None = None) -> Frame"));
   module.def(
       "write",
       [](const std::filesystem::path& path, const OutputFrame& result, const InputFrame* frame, bool error, bool choice,

@@ -77,6 +77,18 @@ std::vector<std::string> feature_names(const InputFrame& input) {
   return names;
 }
 
+// What is taken for granted or missing, in words.
+std::vector<std::string> notes_of([[maybe_unused]] const InputFrame& input) {
+  std::vector<std::string> notes;
+#ifdef STEIN_PYTHON_EXR
+  if (input.file) {
+    notes = input.file->missing();
+    notes.insert(notes.end(), input.file->assumptions().begin(), input.file->assumptions().end());
+  }
+#endif
+  return notes;
+}
+
 constexpr const char* kDoc =
     "One noisy image with all that is known of its noise: views of arrays, which must stay as they are while it is\n"
     "denoised. Arrays are height x width x channels, or height x width, of float32, float16 or uint32, with any\n"
@@ -104,6 +116,8 @@ void bind_frame(nb::module_& module) {
       .def_prop_ro("width", [](const InputFrame& input) { return input.frame.width; })
       .def_prop_ro("height", [](const InputFrame& input) { return input.frame.height; })
       .def_prop_ro("features", feature_names, "Names of the features")
+      .def_prop_ro("notes", notes_of,
+                   "Of a file: what it lacks, and what is taken for granted though it does not say it")
       .def_prop_ro("planes", planes_of, "All planes, under their names in files",
                    nb::sig("def planes(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"));
 }

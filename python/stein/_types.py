@@ -11,6 +11,9 @@ Planes = Union[NDArray[Any], list[NDArray[Any]]]
 # The mean; or with its variance; or with its covariance with the colour as well.
 FeaturePlanes = Union[Planes, tuple[Planes], tuple[Planes, Union[Planes, None]], tuple[Planes, Union[Planes, None], Planes]]
 
+# The names of the channels of the mean, or those and of the variance.
+Channels = Union[list[str], tuple[list[str], list[str]]]
+
 
 class Options(TypedDict, total=False):
     """By name, as on the command line and in include/stein/options.hpp, which say what they mean; left out, each is as there."""

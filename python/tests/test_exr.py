@@ -40,6 +40,25 @@ def test_frames_of_files(tmp_path):
     assert np.array_equal(kept.planes["variance.R"], read.planes["variance.R"])
 
 
+def test_channels_of_other_names(tmp_path):
+    scene = Scene()
+    frame = stein.Frame(**scene.arguments())
+    path = tmp_path / "noisy.exr"
+    stein.write_frame(path, frame)
+    assert any("normal" in note for note in stein.read(path).notes)
+    colour = ["albedo.R", "albedo.G", "albedo.B"]
+    variance = ["albedo.variance.R", "albedo.variance.G", "albedo.variance.B"]
+    mapped = stein.read(path, maps={"colour": (colour, variance)}, variance_of="sample")
+    assert np.array_equal(mapped.planes["R"], scene.albedo[..., 0])
+    assert np.allclose(mapped.planes["variance.G"], scene.albedo_variance[..., 1] / 8)
+    with pytest.raises(stein.InvalidArgument, match="'nobody'"):
+        stein.read(path, preset="nobody")
+    with pytest.raises(stein.InvalidArgument, match="map of 'colour'"):
+        stein.read(path, maps={"colour": 3})
+    with pytest.raises(stein.InvalidArgument, match="variance_of"):
+        stein.read(path, variance_of="all")
+
+
 def test_errors_of_files(tmp_path):
     with pytest.raises(stein.FileError, match="missing.exr") as missing:
         stein.read(tmp_path / "missing.exr")

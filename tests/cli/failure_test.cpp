@@ -79,7 +79,7 @@ TEST_CASE("unusable input: exit code 3") {
   write(folder / "flat.exr", flat_image(24, 16, 1));
   check_failure({"denoise", folder / "flat.exr", "-o", out}, 3, "variance");
   check_failure({"denoise", folder / "nan.exr", "-o", out, "--strict"}, 3, "G");
-  check_failure({"info", folder / "flat.exr"}, 3, "variance");
+  check_failure({"info", folder / "flat.exr"}, 3, "--samples N");
   CHECK(folder.names() == std::vector<std::string>{"flat.exr", "nan.exr"});
 }
 

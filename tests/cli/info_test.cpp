@@ -48,3 +48,22 @@ TEST_CASE("info: prints the same for people") {
     CHECK(outcome.out.find(text) != std::string::npos);
   }
 }
+
+TEST_CASE("info: maps and kinds of variances against the schema") {
+  const TemporaryFolder folder;
+  write(folder / "noisy.exr", noisy_image(24, 16));
+  const auto info = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> arguments = {"info", folder / "noisy.exr", "--json"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const Outcome outcome = run_stein(arguments);
+    REQUIRE(outcome.exit_code == 0);
+    return nlohmann::json::parse(outcome.out);
+  };
+  const nlohmann::json mapped = info({"--map", "gloss=normal.X,Y:var=normal.variance.X,Y", "--variance-of", "sample"});
+  const nlohmann::json plain = info({"--preset", "native"});
+  CHECK(mapped.dump().find("feature gloss, variance of single samples") != std::string::npos);
+  CHECK(plain.dump().find("gloss") == std::string::npos);
+  const double variance = plain.at("planes").at("variance.G").at("mean");
+  CHECK(mapped.at("planes").at("variance.G").at("mean").get<double>() == Approx(variance / 8));
+  CHECK(run_stein({"info", folder / "noisy.exr", "--map", "gloss"}).err.find("--map") != std::string::npos);
+}
