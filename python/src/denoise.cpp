@@ -154,7 +154,10 @@ void bind_denoise(nb::module_& module) {
           "density", [](OutputFrame& o) { return array_of(o.result.density); }, "Where samples are worth most; mean 1")
       .def_prop_ro("report", report_of, nb::sig("def report(self) -> stein._types.Report"));
   module.def("denoise", run, nb::arg("frame"), nb::arg("filter"), nb::arg("feature_sigmas"), nb::arg("options"),
-             nb::arg("progress").none());
+             nb::arg("progress").none(),
+             nb::sig("def denoise(frame: Frame, filter: str, feature_sigmas: dict[str, float], "
+                     "options: dict[str, typing.Any], progress: collections.abc.Callable[[float], bool | None] | None) "
+                     "-> Result"));
   module.def(
       "filter_names",
       [] {

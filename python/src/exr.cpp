@@ -122,9 +122,13 @@ void bind_exr(nb::module_& module) {
       nb::arg("half") = false,
       "Writes a result to an OpenEXR file, whole or not at all.\n\n"
       "frame: where it was read from a file, everything else of that file is carried over, and there can be as well:\n"
-      "noisy, the input's colour; inputs, the planes that describe its noise; half, the colour as half.");
+      "noisy, the input's colour; inputs, the planes that describe its noise; half, the colour as half.",
+      nb::sig("def write(path: str | os.PathLike[str], result: Result, frame: Frame | None = None, *, "
+              "error: bool = True, choice: bool = True, density: bool = True, noisy: bool = False, "
+              "inputs: bool = False, half: bool = False) -> None"));
   module.def("write_frame", write_frame, nb::arg("path"), nb::arg("frame"),
-             "Writes a frame to an OpenEXR file, in the schema that stein.read and the program read.");
+             "Writes a frame to an OpenEXR file, in the schema that stein.read and the program read.",
+             nb::sig("def write_frame(path: str | os.PathLike[str], frame: Frame) -> None"));
 }
 
 }  // namespace stein::python

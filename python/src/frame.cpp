@@ -108,7 +108,7 @@ void bind_frame(nb::module_& module) {
       .def("__init__", make_frame, nb::arg("colour"), nb::arg("variance").none(), nb::kw_only(),
            nb::arg("features") = nb::dict(), nb::arg("covariance") = nb::none(), nb::arg("samples") = nb::none(),
            nb::arg("degrees_of_freedom") = 0.0F,
-           nb::sig("def __init__(self, colour: stein._types.Planes, variance: stein._types.Planes, *, "
+           nb::sig("def __init__(self, colour: stein._types.Planes, variance: stein._types.Planes | None, *, "
                    "features: collections.abc.Mapping[str, stein._types.FeaturePlanes] = {}, "
                    "covariance: stein._types.Planes | None = None, "
                    "samples: float | numpy.typing.NDArray[typing.Any] | None = None, "

@@ -23,7 +23,7 @@ void translate(const std::exception_ptr& thrown, void* /*payload*/) {
 }  // namespace
 
 NB_MODULE(_stein, module) {
-  module.attr("__version__") = STEIN_VERSION_TEXT;
+  module.attr("version") = STEIN_VERSION_TEXT;
   nb::register_exception_translator(translate);
   stein::python::bind_frame(module);
   stein::python::bind_denoise(module);

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from . import _stein
 from ._errors import Cancelled, Error, ErrorCode, FileError, InvalidArgument, InvalidFrame, Unsupported
-from ._stein import Frame, Result, __version__, filter_names
+from ._stein import Frame, Result, filter_names
+from ._stein import version as __version__
 from ._types import FeaturePlanes, Options, Planes, Report
 
 if TYPE_CHECKING:

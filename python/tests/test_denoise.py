@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import gc
 import re
+import signal
 import threading
 import time
 
@@ -228,10 +229,29 @@ def test_exceptions_of_the_callback_come_out():
         stein.denoise(**Scene().arguments(), progress=fail)
 
 
+def denoise_for_a_while():
+    colour = np.random.default_rng(1).random((256, 256, 3), np.float32)
+    return stein.denoise(colour, np.full_like(colour, 0.08), samples=4, filter="cross-nlm")
+
+
+def test_signals_interrupt():
+    class Alarm(Exception):
+        pass
+
+    def ring(number, frame):
+        raise Alarm
+
+    before = signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, 0.01)
+    try:
+        with pytest.raises(Alarm):
+            denoise_for_a_while()
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
 def test_other_threads_run_meanwhile():
-    height, width = 256, 256
-    random = np.random.default_rng(1)
-    colour = random.random((height, width, 3), np.float32)
     beats = []
     done = threading.Event()
 
@@ -243,7 +263,7 @@ def test_other_threads_run_meanwhile():
     thread = threading.Thread(target=beat)
     thread.start()
     begin = time.perf_counter()
-    stein.denoise(colour, np.full_like(colour, 0.08), samples=4, filter="cross-nlm")
+    denoise_for_a_while()
     end = time.perf_counter()
     done.set()
     thread.join()
