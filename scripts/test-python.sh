@@ -27,7 +27,8 @@ fi
 options=()
 if [ -n "$build" ]; then
   cmake --install "$build" --prefix "$folder/stein" > /dev/null
-  options+=(-C cmake.define.STEIN_PYTHON_INSTALLED=ON -C "cmake.define.stein_ROOT=$folder/stein")
+  options+=(--config-settings cmake.define.STEIN_PYTHON_INSTALLED=ON
+    --config-settings "cmake.define.stein_ROOT=$folder/stein")
 fi
 "$folder/venv/bin/pip" install --disable-pip-version-check --no-build-isolation --no-deps "${options[@]}" .
 "$folder/venv/bin/python" -m pytest -p no:cacheprovider -ra
