@@ -17,14 +17,13 @@
 namespace stein::bench {
 namespace {
 
-// Flops of the bank per pixel: per tap 21 for seven channels, 17 for three groups, 16 for the exponential, 4 for mask
-// and weighted colours; per tap and scale 8.
+// Flops of the bank per pixel: per tap 21 for seven channels, 17 for three groups, 16 for the exponential, 8 for mask
+// and sums; per batch and scale 8.
 double bank_flops(const CrossBilateralParams& params, const exec::TileLayout& layout) {
   const ScaleTaps taps(params.spatial_sigmas, layout);
-  double flops = 58.0 * static_cast<double>(taps.offsets.size());
+  double flops = 62.0 * static_cast<double>(taps.offsets.size());
   for (const int first : taps.first_scale) {
-    flops +=
-        8.0 * kernels::kTapBatch * static_cast<double>(params.spatial_sigmas.size() - static_cast<std::size_t>(first));
+    flops += 8.0 * static_cast<double>(params.spatial_sigmas.size() - static_cast<std::size_t>(first));
   }
   return flops;
 }
@@ -161,6 +160,51 @@ BENCHMARK(kernel_cross_nlm_absolute);
 
 void kernel_cross_nlm_joint(benchmark::State& state) { run_filter(state, CrossNlmParams{}, Divergence::kJoint); }
 BENCHMARK(kernel_cross_nlm_joint);
+
+// All passes over a frame, with layers of three channels.
+void filter_layers(benchmark::State& state, const char* name) {
+  constexpr int kSize = 256;
+  constexpr int kWidth = 128;
+  constexpr int kHeight = 32;
+  const bool is_joint = state.range(1) != 0;
+  BenchFrame frame(kSize, kSize, is_joint);
+  frame.add_layers(static_cast<int>(state.range(0)));
+  const FrameReport report = inspect(frame.frame());
+  const Source source(frame.frame(), report);
+  const LayerSource layers(frame.frame(), report, source);
+  const FilterSpec spec = make_filter(name);
+  const GuideRows guides = make_guides(spec, source, kSize);
+  guides.prepare({0, 0, kSize, kSize});
+  const Divergence divergence = is_joint ? Divergence::kJoint : Divergence::kPlain;
+  const auto filter = prepare(spec, {source, guides, kWidth, kHeight, kSize, divergence, &layers});
+  const exec::RowRing ring(filter->candidates() * CandidateRows::kPlanes, kSize, kSize);
+  const exec::RowRing layer_ring(filter->candidates() * layers.channels(), kSize, kSize);
+  const CandidateRows out = CandidateRows(ring).with_layers(layer_ring, layers.channels());
+  FilterScratch scratch;
+  const int passes = static_cast<int>(halos(spec).size());
+  for (auto _ : state) {
+    for (int pass = 0; pass < passes; ++pass) {
+      for (int y = 0; y < kSize; y += kHeight) {
+        for (int x = 0; x < kSize; x += kWidth) filter->run(pass, {x, y, x + kWidth, y + kHeight}, scratch, out);
+      }
+    }
+  }
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * kSize * kSize);
+  state.SetLabel(kernels::instruction_set());
+}
+
+void numbers_of_layers(benchmark::internal::Benchmark* bench) {
+  for (const int is_joint : {0, 1}) {
+    for (const int layers : {0, 1, 4}) bench->Args({layers, is_joint});
+  }
+  bench->ArgNames({"layers", "joint"})->Unit(benchmark::kMillisecond);
+}
+BENCHMARK_CAPTURE(filter_layers, cross_bilateral, "cross-bilateral")->Apply(numbers_of_layers);
+BENCHMARK_CAPTURE(filter_layers, cross_nlm, "cross-nlm")->Apply(numbers_of_layers);
+BENCHMARK_CAPTURE(filter_layers, gaussian, "gaussian")->Apply(numbers_of_layers);
+BENCHMARK_CAPTURE(filter_layers, atrous, "atrous")->Apply(numbers_of_layers);
+BENCHMARK_CAPTURE(filter_layers, atrous_sure, "atrous-sure")->Apply(numbers_of_layers);
+BENCHMARK_CAPTURE(filter_layers, adaptive_order, "adaptive-order")->Apply(numbers_of_layers);
 
 }  // namespace
 }  // namespace stein::bench

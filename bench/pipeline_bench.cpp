@@ -33,5 +33,28 @@ BENCHMARK(pipeline_denoise)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
+// A filter with layers of three channels, and the covariances of a renderer that has them.
+void pipeline_layers(benchmark::State& state, const char* filter) {
+  constexpr int kSide = 512;
+  BenchFrame frame(kSide, kSide, true);
+  frame.add_layers(static_cast<int>(state.range(0)));
+  DenoiseParams params;
+  params.filters = make_filters(filter);
+  params.execution.threads = 1;
+  for (auto _ : state) benchmark::DoNotOptimize(denoise(frame.frame(), params));
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * kSide * kSide);
+}
+
+void numbers_of_layers(benchmark::internal::Benchmark* bench) {
+  bench->Arg(0)->Arg(1)->Arg(4)->ArgName("layers")->Unit(benchmark::kMillisecond);
+}
+BENCHMARK_CAPTURE(pipeline_layers, cross_bilateral, "cross-bilateral")->Apply(numbers_of_layers);
+BENCHMARK_CAPTURE(pipeline_layers, cross_nlm, "cross-nlm")->Apply(numbers_of_layers);
+BENCHMARK_CAPTURE(pipeline_layers, gaussian, "gaussian")->Apply(numbers_of_layers);
+BENCHMARK_CAPTURE(pipeline_layers, atrous, "atrous")->Apply(numbers_of_layers);
+BENCHMARK_CAPTURE(pipeline_layers, atrous_sure, "atrous-sure")->Apply(numbers_of_layers);
+BENCHMARK_CAPTURE(pipeline_layers, adaptive_order, "adaptive-order")->Apply(numbers_of_layers);
+BENCHMARK_CAPTURE(pipeline_layers, by_default, "auto")->Apply(numbers_of_layers);
+
 }  // namespace
 }  // namespace stein::bench

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "synthetic_frame.hpp"
 
+#include <string>
+#include <utility>
+
 namespace stein::bench {
 
 BenchFrame::BenchFrame(int width, int height, bool has_covariances) {
@@ -26,6 +29,14 @@ BenchFrame::BenchFrame(int width, int height, bool has_covariances) {
   for (ConstPlaneView& plane : frame_.colour_covariance) plane = add(0.0F, 0.1F);
   for (Feature& feature : frame_.features) {
     for (std::size_t k = 0; k < 3 * feature.mean.size(); ++k) feature.colour_covariance.push_back(add(0.0F, 0.02F));
+  }
+}
+
+void BenchFrame::add_layers(int count) {
+  for (int l = 0; l < count; ++l) {
+    Layer layer{"layer" + std::to_string(l), {}};
+    for (int c = 0; c < 3; ++c) layer.mean.push_back(add(0.0F, 1.0F));
+    frame_.layers.push_back(std::move(layer));
   }
 }
 

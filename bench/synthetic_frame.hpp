@@ -12,6 +12,7 @@ namespace stein::bench {
 class BenchFrame {
  public:
   BenchFrame(int width, int height, bool has_covariances = false);
+  void add_layers(int count);  ///< of three channels
   [[nodiscard]] const Frame& frame() const { return frame_; }
 
  private:

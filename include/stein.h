@@ -69,6 +69,10 @@ STEIN_API void stein_frame_destroy(stein_frame* frame);
 /* Declares a feature, such as "albedo" or "depth", with 1 to 4 channels, so that its planes can be set. */
 STEIN_API stein_status stein_frame_add_feature(stein_frame* frame, const char* name, int32_t channels);
 
+/* Declares a layer that is to be filtered as the colour is. 3 channels are light, <layer>.R .G .B: what such parts of
+ * the colour sum up to before, they do after. 1 channel is alpha or another share, its plane has the layer's name. */
+STEIN_API stein_status stein_frame_add_layer(stein_frame* frame, const char* name, int32_t channels);
+
 /* Sets a plane, or replaces it. The memory is neither copied nor owned: it must stay until the frame is destroyed or
  * the plane is replaced, and as it is while stein_denoise runs. A stride of 0 means packed (pixel: the size of an
  * element; row: width times the pixel stride). Names:
@@ -80,6 +84,7 @@ STEIN_API stein_status stein_frame_add_feature(stein_frame* frame, const char* n
  *   <feature>.<c>                                 mean of a feature
  *   <feature>.variance.<c>                        variance of that mean, for all of its channels or none
  *   covariance.R.<feature>.<c>, also with G, B    covariances with the colour, all or none; next to variances only
+ *   <layer>.R .G .B, or <layer>                   mean of a layer
  *
  * with c, for a single channel, V for visibility and Z for any other; for several, R G B A in names that contain
  * "albedo" or "colo", else X Y Z W. A name that is none of these is an error, whose message lists those that the frame
@@ -110,6 +115,7 @@ STEIN_API void stein_params_destroy(stein_params* params);
  *   distance        absolute, variance-normalised (of cross-nlm)
  *   order           0, 1, 3, adaptive (of adaptive-order)
  *   order-error     risk, taylor (of adaptive-order)
+ *   quality         fast, default, best: takes the place of the filters and what was set of them
  *   risk            auto, sure, joint, monte-carlo
  *   selection       evidence, argmin
  *   density-rule    next-samples, all-samples, error-reduction */
@@ -143,7 +149,8 @@ STEIN_API stein_status stein_denoise(const stein_frame* frame, const stein_param
 STEIN_API void stein_result_destroy(stein_result* result);
 
 /* Planes of a result: R G B, error.R .G .B (squared error that is estimated to remain; can be below 0), choice.V (index
- * of the entry that weighs most), density.V (where samples are worth most; mean 1).
+ * of the entry that weighs most; -1 where a pixel had no usable colour and was filled), density.V (where samples are
+ * worth most; mean 1), and those of the frame's layers.
  *
  * Borrowed: floats without gaps in a row, valid until the result is destroyed. */
 STEIN_API stein_status stein_result_plane(const stein_result* result, const char* name, const float** data,
@@ -154,11 +161,12 @@ STEIN_API stein_status stein_result_copy(const stein_result* result, const char*
                                          ptrdiff_t pixel_stride, ptrdiff_t row_stride);
 
 /* Numbers of the report: invalid_pixels, single_sample_pixels, outlier_pixels, outlier_energy, mean_error.R .G .B,
- * mean_relative_error. */
+ * mean_relative_error, bad_layer_pixels (values of all layers that were filled from their neighbours). */
 STEIN_API stein_status stein_result_number(const stein_result* result, const char* name, double* value);
 
 /* Texts of the report, by index from 0; past the last one *text becomes null. `name` is one of: warning (in words, for
- * people), candidate (what choice.V says), risk (how errors were estimated, then why so). Valid until the result is
+ * people), candidate (what choice.V says), filter, risk and risk_reason (one
+ * for each filter: its name, how its errors were estimated, and why so). Valid until the result is
  * destroyed. */
 STEIN_API stein_status stein_result_text(const stein_result* result, const char* name, int32_t index,
                                          const char** text);

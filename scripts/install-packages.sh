@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # Installs the Debian packages of packages.txt that are missing; does nothing, and needs no rights, where none is.
-# Usage: scripts/install-packages.sh [--dev]     --dev: also those of the developer section
+# Usage: scripts/install-packages.sh [--dev|--neon]     also those of the section developer, or neon
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -10,7 +10,8 @@ sections="build"
 case "${1:-}" in
   "") ;;
   --dev) sections="build developer" ;;
-  *) echo "usage: $0 [--dev]" >&2; exit 2 ;;
+  --neon) sections="build neon" ;;
+  *) echo "usage: $0 [--dev|--neon]" >&2; exit 2 ;;
 esac
 
 packages_of() {  # the packages of one section

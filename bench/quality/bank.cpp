@@ -25,11 +25,15 @@ Bank::Bank(const std::string& file, const DenoiseParams& params, Risk risk)
     : loaded_(exr::read_frame(file)), reference_(exr::read_planes(beside(file, "ref.exr"))), params_(params) {
   std::ifstream(beside(file, "refnoise")) >> reference_noise_[0] >> reference_noise_[1];
   const Frame& frame = loaded_.frame();
+  const FrameReport report = inspect(frame);
   exec::Runner runner{params_.execution};
-  source_ = std::make_unique<Source>(frame, inspect(frame));
+  source_ = std::make_unique<Source>(frame, report);
   if (params_.outliers.enabled) source_->replace(find_outliers(*source_, params_.outliers, runner).pixels);
+  layers_ = std::make_unique<LayerSource>(frame, report, *source_);
   geometry_ = {frame.width, frame.height, 128, 32, frame.height};
-  runs_ = std::make_unique<FilterRuns>(*source_, params_, risk, geometry_, frame.height, runner.slots());
+  runs_ =
+      std::make_unique<FilterRuns>(*source_, *layers_, FilterPlan{params_.filters.front(), risk, params_.monte_carlo},
+                                   geometry_, frame.height, runner.slots());
   std::vector<exec::RowStage> stages;
   runs_->add_stages(
       {}, [](const Rect&, int) {}, stages);

@@ -55,6 +55,7 @@ class Bank {
   std::array<double, 2> reference_noise_{};  // plain, relative
   DenoiseParams params_;
   std::unique_ptr<Source> source_;
+  std::unique_ptr<LayerSource> layers_;
   exec::RowPipelineGeometry geometry_;
   std::unique_ptr<FilterRuns> runs_;
 };

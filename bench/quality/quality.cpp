@@ -68,9 +68,9 @@ std::string title(const fs::path& file) { return file.parent_path().filename().s
 
 // Estimated over true mean error of every entry as a fixed filter.
 void print_risks(const fs::path& file, const stein::DenoiseParams& params) {
-  const bool is_closed = stein::has_derivative(params.filter);
+  const bool is_closed = stein::has_derivative(params.filters.front());
   const stein::quality::Bank bank(file.string(), params, is_closed ? stein::Risk::kJoint : stein::Risk::kMonteCarlo);
-  const std::vector<std::string> names = stein::candidate_names(params.filter);
+  const std::vector<std::string> names = stein::candidate_names(params.filters.front());
   for (int e = 1; e < bank.entries(); ++e) {
     const stein::quality::EntryErrors errors = bank.errors(e);
     std::printf("| %s | %s | %.5g / %.5g | %.2f | %.5f / %.5f | %.2f | %.2f |\n", title(file).c_str(),
@@ -82,7 +82,7 @@ void print_risks(const fs::path& file, const stein::DenoiseParams& params) {
 }
 
 void print_choices(const fs::path& file, const stein::DenoiseParams& params, std::vector<double>& log_sums) {
-  const bool is_closed = stein::has_derivative(params.filter);
+  const bool is_closed = stein::has_derivative(params.filters.front());
   const stein::quality::Bank bank(file.string(), params, is_closed ? stein::Risk::kJoint : stein::Risk::kMonteCarlo);
   const stein::quality::Choices choices = bank.choices();
   const double values[] = {choices.best_single, choices.argmin, choices.evidence, choices.oracle};
@@ -133,7 +133,7 @@ int main(int argc, char** argv) {
     for (int i = 1; i < argc; ++i) {
       const std::string argument = argv[i];
       if (argument == "--filter" && i + 1 < argc) {
-        params.filter = stein::make_filter(argv[++i]);
+        params.filters = stein::make_filters(argv[++i]);
       } else if (argument == "--table" && i + 1 < argc) {
         table = argv[++i];
       } else if (folder.empty() && argument.rfind("--", 0) != 0) {

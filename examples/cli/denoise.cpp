@@ -2,17 +2,20 @@
 #include "stein/denoise.hpp"
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
+#include <vector>
 
 #include "cancel.hpp"
 #include "denoise_options.hpp"
 #include "denoise_report.hpp"
 #include "denoise_samples.hpp"
+#include "frame_range.hpp"
 #include "output_file.hpp"
 #include "progress.hpp"
+#include "stein/error.hpp"
 #include "stein/exr.hpp"
 #include "verbs.hpp"
 
@@ -20,8 +23,8 @@ namespace stein::cli {
 namespace {
 
 // What part of the progress is over when a step is.
-constexpr double kReadDone = 0.05;
-constexpr double kComputeDone = 0.95;
+constexpr double kReadDone = 0.2;
+constexpr double kComputeDone = 0.7;
 
 class Stopwatch {
  public:
@@ -39,63 +42,104 @@ class Stopwatch {
 
 void check_paths(const DenoiseOptions& options) {
   check_output_path(options.output, options.input);
-  if (!options.json.empty()) {
-    check_output_path(options.json);
+  if (options.json.empty()) return;
+  if (is_same_file(options.json, options.input) || is_same_file(options.json, options.output)) {
+    throw Error(ErrorCode::kInvalidArgument, "--json " + options.json + " is the image: choose another file");
+  }
+  check_output_path(options.json);
+}
+
+// Asked between the chunks of a file, and between tiles.
+std::function<bool(double)> report_to(const ProgressPart& progress, double begin, double end) {
+  return [&progress, begin, end](double fraction) {
+    progress.show(begin + (end - begin) * fraction);
+    return !interrupted();
+  };
+}
+
+void report(const FrameTask& task, const std::vector<DenoiseSummary>& views) {
+  task.progress.clear();
+  for (const DenoiseSummary& view : views) {
+    print_warnings(view.input.frame().origin, view.report);
+    if (!task.options.quiet) task.is_alone ? print_summary(view) : print_line_of_frame(view);
+  }
+  if (!task.options.json.empty()) {
+    constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;  // file names need not be UTF-8
+    write_whole_file(task.options.json, to_json(views).dump(2, ' ', false, kReplace) + "\n");
   }
 }
 
-void run_denoise(const DenoiseOptions& options) {
-  catch_interrupts();
-  DenoiseParams params = denoise_params(options);
-  check_paths(options);
+// The view that was asked for, or all that the file has.
+std::vector<exr::LoadedFrame> read_views(DenoiseOptions options, const ProgressPart& progress) {
+  std::vector<exr::LoadedFrame> views;
+  views.push_back(read_input(options, report_to(progress, 0, kReadDone)));
+  if (!options.mapping.view.empty()) return views;
+  const std::vector<std::string> names = views.front().views();
+  for (std::size_t v = 1; v < names.size(); ++v) {
+    options.mapping.view = names[v];
+    views.push_back(read_input(options, report_to(progress, kReadDone, kReadDone)));
+  }
+  return views;
+}
 
-  std::optional<Progress> progress(choose_progress_style(options.quiet));
-  params.execution.progress = [&progress](double fraction) {
-    progress->show(kReadDone + (kComputeDone - kReadDone) * fraction);
-    return !interrupted();
-  };
+void denoise_frame(const FrameTask& task, DenoiseParams params) {
+  DenoiseOptions options = task.options;
+  check_paths(options);
   Seconds seconds;
   Stopwatch watch;
-  progress->show(0);
-  const exr::LoadedFrame input = read_input(options);
+  task.progress.show(0);
+  const std::vector<exr::LoadedFrame> views = read_views(options, task.progress);
   check_not_interrupted();
-  params.luminance_weights = input.luminance_weights();
   seconds.read = watch.lap();
 
-  const DenoiseResult result = stein::denoise(input.frame(), params);
+  std::vector<DenoiseResult> results;
+  for (const exr::LoadedFrame& view : views) {
+    const auto share = [&](std::size_t done) {
+      return kReadDone + (kComputeDone - kReadDone) * static_cast<double>(done) / static_cast<double>(views.size());
+    };
+    params.luminance_weights = view.luminance_weights();
+    params.execution.progress = report_to(task.progress, share(results.size()), share(results.size() + 1));
+    results.push_back(stein::denoise(view.frame(), params));
+  }
   seconds.compute = watch.lap();
 
-  check_not_interrupted();
-  exr::write_result(options.output, input, result, options.write);
+  options.write.progress = report_to(task.progress, kComputeDone, 1);
+  std::vector<exr::ViewResult> filtered;
+  for (std::size_t v = 0; v < views.size(); ++v) filtered.push_back({views[v], results[v]});
+  exr::write_results(options.output, filtered, options.write);
   seconds.write = watch.lap();
   seconds.total = seconds.read + seconds.compute + seconds.write;
-  progress->show(1);
-  progress.reset();
+  task.progress.show(1);
 
-  const int threads = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
-  const DenoiseSummary summary{input, result.report, options.output, options.filter.name, threads, seconds};
-  print_warnings(result.report);
-  if (!options.quiet) {
-    print_summary(summary);
+  const int threads = options.threads > 0 ? options.threads : available_threads();
+  std::vector<DenoiseSummary> summaries;
+  for (const exr::ViewResult& view : filtered) {
+    summaries.push_back(
+        {view.source, view.result.report, options.output, options.filter.name, threads, seconds, task.frame});
   }
-  if (!options.json.empty()) {
-    constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;  // file names need not be UTF-8
-    write_whole_file(options.json, to_json(summary).dump(2, ' ', false, kReplace) + "\n");
-  }
+  report(task, summaries);
 }
 
 }  // namespace
 
 Action add_denoise(CLI::App& verb) {
   auto options = std::make_shared<DenoiseOptions>();
+  auto range = std::make_shared<FrameRangeOptions>();
   auto samples = std::make_shared<SampleFilterOptions>();
   declare(verb, *options);
+  declare(verb, *range);
   declare(verb, *samples);
-  return [options, samples, &verb] {
+  return [options, range, samples, &verb] {
     if (reads_samples(verb, *options)) {
-      denoise_samples(*options, *samples);
+      if (!range->frames.empty() && !samples->adjacent.empty()) {
+        throw Error(ErrorCode::kInvalidArgument, "--adjacent names the neighbours of one frame: use --frame with it");
+      }
+      const RpfParams params = rpf_params(*options, *samples);
+      for_each_frame(*options, *range,
+                     [&](const FrameTask& task) { denoise_samples(task, params, samples->adjacent); });
     } else {
-      run_denoise(*options);
+      const DenoiseParams params = denoise_params(*options);
+      for_each_frame(*options, *range, [&](const FrameTask& task) { denoise_frame(task, params); });
     }
   };
 }

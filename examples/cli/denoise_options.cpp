@@ -23,6 +23,8 @@ constexpr const char* kFooter =
     "  stein denoise noisy.exr -o clean.exr --filter gaussian --risk monte-carlo\n"
     "  stein denoise noisy.exr -o clean.exr --map albedo=Diffuse.R,G,B --variance-of sample --samples 16\n"
     "  stein denoise noisy.exr -o clean.exr --feature-sigma normal=0.4,albedo=0.1\n"
+    "  stein denoise noisy.exr -o clean.exr --layers diffuse,specular,A\n"
+    "  stein denoise noisy.####.exr -o clean.####.exr --frames 1-100,200-300:2 --skip-existing\n"
     "\n"
     "The filter rpf reads a file of raw samples (deep, as for stein accumulate) and writes the colour, and its error "
     "with\n"
@@ -46,6 +48,11 @@ void declare_output(CLI::App& verb, DenoiseOptions& options) {
 
 void declare(CLI::App& verb, DenoiseOptions& options) {
   declare_method(verb, options);
+  verb.add_option(
+          "--layers", options.layers,
+          "Layers to filter as the colour is, by name (key for key.R, key.G, key.B; or one channel, such as A); "
+          "all: every layer of R, G and B that is nothing else, and alpha")
+      ->delimiter(',');
   verb.add_option("--strength", options.strength, "1: the reconstruction, 0: the input, between: a mix")
       ->capture_default_str();
   declare_output(verb, options);
@@ -56,8 +63,7 @@ void declare_method(CLI::App& verb, DenoiseOptions& options) {
   verb.add_option("IN", options.input, "OpenEXR file with the noisy image and its variances")->required();
   verb.add_option("-o,--output", options.output, "OpenEXR file to write; not IN itself")->required();
   declare(verb, options.filter);
-  verb.add_option("--samples", options.samples, "Samples per pixel, for files that do not say")
-      ->check(CLI::PositiveNumber);
+  declare(verb, options.samples);
   declare(verb, options.mapping);
   verb.add_option("--risk", options.risk,
                   "How errors are estimated: sure and joint in closed form (joint: with the file's covariances), "
@@ -74,7 +80,8 @@ void declare_method(CLI::App& verb, DenoiseOptions& options) {
   verb.add_flag_callback(
       "--no-outliers", [&options] { options.outliers = false; }, "Leave fireflies as they are");
   verb.add_flag("--strict", options.strict, "Fail on unusable values instead of repairing them");
-  verb.add_option("--threads", options.threads, "Most threads to use; 0: all")->capture_default_str();
+  verb.add_option("--threads", options.threads, "Most threads to use; 0: all that affinity mask and CPU quota allow")
+      ->capture_default_str();
   verb.add_option("--tile", options.tile, "WIDTHxHEIGHT of a unit of work; never changes the result");
   verb.add_flag("--quiet", options.quiet, "No progress and no summary; warnings remain");
 }
@@ -99,9 +106,12 @@ DenoiseParams denoise_params(const DenoiseOptions& options) {
   return params;
 }
 
-exr::LoadedFrame read_input(const DenoiseOptions& options) {
+exr::LoadedFrame read_input(const DenoiseOptions& options, const std::function<bool(double)>& progress) {
   const bool needs_covariances = options.risk != "sure";
-  exr::ReadOptions read{.samples_per_pixel = options.samples, .read_covariances = needs_covariances};
+  exr::ReadOptions read{.read_covariances = needs_covariances};
+  read.layers = options.layers;
+  read.progress = progress;
+  apply(options.samples, read);
   apply(options.mapping, read);
   exr::LoadedFrame input = exr::read_frame(options.input, read);
   for (const std::string& text : options.filter.feature_sigmas) {

@@ -4,7 +4,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
+#include <vector>
 
 #include "filter_options.hpp"
 #include "mapping_options.hpp"
@@ -25,7 +27,8 @@ struct DenoiseOptions {
   std::uint64_t seed = MonteCarloParams{}.seed;
   std::string selection = "evidence";
   float strength = 1;
-  float samples = 0;
+  SamplesOption samples;
+  std::vector<std::string> layers;
   std::string tile;
   int threads = 0;
   bool strict = false;
@@ -43,7 +46,7 @@ void declare_method(CLI::App& verb, DenoiseOptions& options);
 /// Without progress. @throws Error kInvalidArgument.
 [[nodiscard]] DenoiseParams denoise_params(const DenoiseOptions& options);
 
-/// Reads the input as the options want it.
-[[nodiscard]] exr::LoadedFrame read_input(const DenoiseOptions& options);
+/// Reads the input as the options want it; `progress`: as that of ReadOptions.
+[[nodiscard]] exr::LoadedFrame read_input(const DenoiseOptions& options, const std::function<bool(double)>& progress);
 
 }  // namespace stein::cli

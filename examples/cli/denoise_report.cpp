@@ -30,8 +30,11 @@ void print_mapping(const exr::LoadedFrame& input) {
   for (const exr::ChannelInfo& channel : input.channels()) {
     unused += channel.role.empty() ? 1 : 0;
   }
+  for (const Layer& layer : frame.layers) {
+    print_line("layer", layer.name + ", filtered as the colour is");
+  }
   if (unused > 0) {
-    print_line("carried", std::to_string(unused) + " other channels");
+    print_line("carried", std::to_string(unused) + " other channels, as they are");
   }
   for (const std::string& text : input.missing()) {
     print_line("missing", text);
@@ -51,6 +54,13 @@ void print_repairs(const DenoiseSummary& summary) {
     if (counts.bad_feature_pixels[i] > 0) {
       std::printf("%-9s %lld pixels without a usable %s\n", "", static_cast<long long>(counts.bad_feature_pixels[i]),
                   features[i].name.c_str());
+    }
+  }
+  const std::vector<Layer>& layers = summary.input.frame().layers;
+  for (std::size_t i = 0; i < counts.bad_layer_pixels.size() && i < layers.size(); ++i) {
+    if (counts.bad_layer_pixels[i] > 0) {
+      std::printf("%-9s %lld pixels without a usable layer %s\n", "",
+                  static_cast<long long>(counts.bad_layer_pixels[i]), layers[i].name.c_str());
     }
   }
 }
@@ -78,6 +88,17 @@ nlohmann::ordered_json bad_features_json(const DenoiseSummary& summary) {
   return json;
 }
 
+/// By name: the pixels that had to be filled.
+nlohmann::ordered_json layers_json(const DenoiseSummary& summary) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  const std::vector<std::int64_t>& counts = summary.report.frame.bad_layer_pixels;
+  const std::vector<Layer>& layers = summary.input.frame().layers;
+  for (std::size_t i = 0; i < counts.size() && i < layers.size(); ++i) {
+    json[layers[i].name] = {{"bad_pixels", counts[i]}};
+  }
+  return json;
+}
+
 nlohmann::ordered_json choice_json(const DenoiseReport& report) {
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
   for (std::size_t i = 0; i < report.choice_share.size() && i < report.candidates.size(); ++i) {
@@ -86,23 +107,45 @@ nlohmann::ordered_json choice_json(const DenoiseReport& report) {
   return json;
 }
 
+nlohmann::ordered_json filters_json(const DenoiseReport& report) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const FilterShare& filter : report.filters) {
+    json.push_back(
+        {{"name", filter.name}, {"weight", filter.weight}, {"risk", filter.risk}, {"risk_reason", filter.risk_reason}});
+  }
+  return json;
+}
+
+void print_filters(const DenoiseReport& report) {
+  for (const FilterShare& filter : report.filters) {
+    std::printf("%-9s %5.1f %% %s, %s: %s\n", &filter == report.filters.data() ? "filter" : "", 100 * filter.weight,
+                filter.name.c_str(), filter.risk.c_str(), filter.risk_reason.c_str());
+  }
+}
+
 }  // namespace
 
-void print_warnings(const DenoiseReport& report) {
+void print_warnings(const std::string& path, const DenoiseReport& report) {
   for (const std::string& warning : report.warnings) {
-    std::fprintf(stderr, "stein: warning: %s\n", warning.c_str());
+    std::fprintf(stderr, "stein: warning: '%s': %s\n", path.c_str(), warning.c_str());
   }
+}
+
+void print_line_of_frame(const DenoiseSummary& summary) {
+  std::printf("frame %-5d %s, %.2f s, estimated relative error %.4g\n", summary.frame.value_or(0),
+              summary.output_path.c_str(), summary.seconds.total, summary.report.mean_relative_error);
+  std::fflush(stdout);  // a log is looked at while the range runs
 }
 
 void print_summary(const DenoiseSummary& summary) {
   const DenoiseReport& report = summary.report;
   print_line("input", summary.input.path() + ", " + size_text(summary.input));
+  if (!summary.input.view().empty()) print_line("view", summary.input.view());
   print_line("samples", samples_text(summary.input.frame()));
   print_line("schema", summary.input.schema());
   print_mapping(summary.input);
   print_repairs(summary);
-  print_line("filter", summary.filter);
-  print_line("risk", report.risk + ": " + report.risk_reason);
+  print_filters(report);
   for (std::size_t i = 0; i < report.choice_share.size() && i < report.candidates.size(); ++i) {
     std::printf("%-9s %5.1f %% %s\n", i == 0 ? "choice" : "", 100 * report.choice_share[i],
                 report.candidates[i].c_str());
@@ -118,29 +161,39 @@ void print_summary(const DenoiseSummary& summary) {
 nlohmann::ordered_json to_json(const DenoiseSummary& summary) {
   const DenoiseReport& report = summary.report;
   const Frame& frame = summary.input.frame();
-  return {{"version", STEIN_VERSION},
-          {"input", summary.input.path()},
-          {"output", summary.output_path},
-          {"width", frame.width},
-          {"height", frame.height},
-          {"filter", summary.filter},
-          {"risk", report.risk},
-          {"risk_reason", report.risk_reason},
-          {"threads", summary.threads},
-          {"instruction_set", report.instruction_set},
-          {"seconds", seconds_json(summary)},
-          {"peak_memory_bytes", peak_memory_bytes()},
-          {"invalid_pixels", report.frame.invalid_pixels},
-          {"outlier_pixels", report.outlier_pixels},
-          {"outlier_energy", report.outlier_energy},
-          {"bad_feature_pixels", bad_features_json(summary)},
-          {"mean_estimated_error", report.mean_error},
-          {"mean_estimated_relative_error", report.mean_relative_error},
-          {"choice_share", choice_json(report)},
-          {"schema", summary.input.schema()},
-          {"missing", summary.input.missing()},
-          {"assumed", summary.input.assumptions()},
-          {"warnings", report.warnings}};
+  nlohmann::ordered_json json = {{"version", STEIN_VERSION}};
+  if (summary.frame) json["frame"] = *summary.frame;
+  if (!summary.input.view().empty()) json["view"] = summary.input.view();
+  json.update({{"input", summary.input.path()},
+               {"output", summary.output_path},
+               {"width", frame.width},
+               {"height", frame.height},
+               {"filter", summary.filter},
+               {"filters", filters_json(report)},
+               {"threads", summary.threads},
+               {"instruction_set", report.instruction_set},
+               {"seconds", seconds_json(summary)},
+               {"peak_memory_bytes", peak_memory_bytes()},
+               {"invalid_pixels", report.frame.invalid_pixels},
+               {"outlier_pixels", report.outlier_pixels},
+               {"outlier_energy", report.outlier_energy},
+               {"bad_feature_pixels", bad_features_json(summary)},
+               {"layers", layers_json(summary)},
+               {"mean_estimated_error", report.mean_error},
+               {"mean_estimated_relative_error", report.mean_relative_error},
+               {"choice_share", choice_json(report)},
+               {"schema", summary.input.schema()},
+               {"missing", summary.input.missing()},
+               {"assumed", summary.input.assumptions()},
+               {"warnings", report.warnings}});
+  return json;
+}
+
+nlohmann::ordered_json to_json(const std::vector<DenoiseSummary>& views) {
+  if (views.size() == 1) return to_json(views.front());
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const DenoiseSummary& view : views) list.push_back(to_json(view));
+  return {{"version", STEIN_VERSION}, {"views", list}};
 }
 
 }  // namespace stein::cli

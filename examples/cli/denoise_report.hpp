@@ -4,7 +4,9 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "stein/denoise.hpp"
 #include "stein/exr.hpp"
@@ -25,14 +27,21 @@ struct DenoiseSummary {
   std::string filter;
   int threads = 0;  ///< those that were available where none were asked for
   Seconds seconds;
+  std::optional<int> frame;  ///< its number, of a sequence
 };
 
 /// On standard output.
 void print_summary(const DenoiseSummary& summary);
 
+/// On standard output, for one of many frames.
+void print_line_of_frame(const DenoiseSummary& summary);
+
 /// On standard error, one line each.
-void print_warnings(const DenoiseReport& report);
+void print_warnings(const std::string& path, const DenoiseReport& report);
 
 [[nodiscard]] nlohmann::ordered_json to_json(const DenoiseSummary& summary);
+
+/// One view's report, or those of several as a list `views`.
+[[nodiscard]] nlohmann::ordered_json to_json(const std::vector<DenoiseSummary>& views);
 
 }  // namespace stein::cli

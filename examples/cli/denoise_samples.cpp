@@ -24,27 +24,11 @@ namespace {
 using Names = std::vector<std::string>;
 
 const Names kForSamples = {"--rpf-preset", "--adjacent", "--features", "--randoms"};
-const Names kForBoth = {"IN", "--output", "--filter", "--risk", "--draws", "--seed", "--threads", "--quiet"};
+const Names kForBoth = {"IN",        "--output", "--filter", "--risk",  "--draws",        "--seed",
+                        "--threads", "--quiet",  "--frames", "--frame", "--skip-existing"};
 
 bool contains(const Names& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
-}
-
-RpfParams rpf_params(const DenoiseOptions& options, const SampleFilterOptions& filter) {
-  RpfParams params;
-  if (filter.preset == "paper-detail") params = paper_rpf(kRpfDetail);
-  if (filter.preset == "paper-noisy") params = paper_rpf(kRpfNoisy);
-  if (options.risk != "auto" && options.risk != "monte-carlo") {
-    throw Error(ErrorCode::kInvalidArgument, "--risk " + options.risk +
-                                                 ": the filter 'rpf' has no derivative; its error can be estimated "
-                                                 "with monte-carlo");
-  }
-  params.draws = options.risk == "monte-carlo" ? options.draws : 0;
-  params.seed = options.seed;
-  params.features = filter.features;
-  params.randoms = filter.randoms;
-  params.check();
-  return params;
 }
 
 /// The rows of a result, as they come, to a file.
@@ -142,25 +126,40 @@ bool reads_samples(const CLI::App& verb, const DenoiseOptions& options) {
   return is_rpf;
 }
 
-void denoise_samples(const DenoiseOptions& options, const SampleFilterOptions& filter) {
-  catch_interrupts();
-  const RpfParams params = rpf_params(options, filter);
+RpfParams rpf_params(const DenoiseOptions& options, const SampleFilterOptions& filter) {
+  RpfParams params;
+  if (filter.preset == "paper-detail") params = paper_rpf(kRpfDetail);
+  if (filter.preset == "paper-noisy") params = paper_rpf(kRpfNoisy);
+  if (options.risk != "auto" && options.risk != "monte-carlo") {
+    throw Error(ErrorCode::kInvalidArgument, "--risk " + options.risk +
+                                                 ": the filter 'rpf' has no derivative; its error can be estimated "
+                                                 "with monte-carlo");
+  }
+  params.draws = options.risk == "monte-carlo" ? options.draws : 0;
+  params.seed = options.seed;
+  params.features = filter.features;
+  params.randoms = filter.randoms;
+  params.check();
+  return params;
+}
+
+void denoise_samples(const FrameTask& task, const RpfParams& params, const std::vector<std::string>& adjacent_paths) {
+  const DenoiseOptions& options = task.options;
   check_output_path(options.output, options.input);
-  for (const std::string& path : filter.adjacent) check_output_path(options.output, path);
+  for (const std::string& path : adjacent_paths) check_output_path(options.output, path);
   exr::SampleReader samples = open_samples(options.input);
   std::vector<std::unique_ptr<exr::SampleReader>> readers;
   std::vector<SampleSource> adjacent;
-  for (const std::string& path : filter.adjacent) {
+  for (const std::string& path : adjacent_paths) {
     readers.push_back(std::make_unique<exr::SampleReader>(open_samples(path)));
     adjacent.push_back(exr::sample_source(*readers.back()));
   }
   const SampleSource source = exr::sample_source(samples);
-  std::optional<Progress> progress(choose_progress_style(options.quiet));
-  progress->show(0);
+  task.progress.show(0);
   Execution execution;
   execution.threads = options.threads;
-  execution.progress = [&progress](double fraction) {
-    progress->show(fraction);
+  execution.progress = [&task](double fraction) {
+    task.progress.show(fraction);
     return !interrupted();
   };
   const bool has_error = params.draws > 0;
@@ -172,7 +171,7 @@ void denoise_samples(const DenoiseOptions& options, const SampleFilterOptions& f
     throw Error(ErrorCode::kInvalidFrame, "'" + samples.path() + "': it holds no sample with a finite colour");
   }
   result.finish();
-  progress.reset();
+  task.progress.clear();
   print_warnings(report);
   if (!options.quiet) print_report(options, samples, report, has_error);
 }

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "denoise_options.hpp"
+#include "frame_range.hpp"
+#include "stein/rpf.hpp"
 #include "verbs.hpp"
 
 namespace stein::cli {
@@ -25,6 +27,9 @@ void declare(CLI::App& verb, SampleFilterOptions& options);
 /// are not for that filter.
 [[nodiscard]] bool reads_samples(const CLI::App& verb, const DenoiseOptions& options);
 
-void denoise_samples(const DenoiseOptions& options, const SampleFilterOptions& filter);
+/// @throws Error kInvalidArgument.
+[[nodiscard]] RpfParams rpf_params(const DenoiseOptions& options, const SampleFilterOptions& filter);
+
+void denoise_samples(const FrameTask& task, const RpfParams& params, const std::vector<std::string>& adjacent_paths);
 
 }  // namespace stein::cli

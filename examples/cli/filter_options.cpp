@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "arguments.hpp"
+#include "stein/error.hpp"
 #include "stein/options.hpp"
 
 namespace stein::cli {
@@ -15,8 +16,11 @@ void declare(CLI::App& verb, FilterOptions& options) {
   for (const std::string_view name : filter_names()) {
     names += (names.empty() ? "" : ", ") + std::string(name);
   }
-  options.name = filter_names().front();
-  verb.add_option("--filter", options.name, "One of: " + names)->capture_default_str();
+  verb.add_option("--filter", options.name,
+                  "auto: those of --quality; or one or more, with commas between, which are mixed: " + names)
+      ->capture_default_str();
+  verb.add_option("--quality", options.quality, "Which filters auto takes, by their time")
+      ->check(CLI::IsMember({"fast", "default", "best"}));
   verb.add_option("--bank", options.bank,
                   "Candidates: all (final), or the cheaper ones for use between batches of samples (intermediate)")
       ->check(CLI::IsMember({"final", "intermediate"}));
@@ -35,7 +39,14 @@ void declare(CLI::App& verb, FilterOptions& options) {
 }
 
 void apply(const FilterOptions& options, DenoiseParams& params) {
-  params.filter = make_filter(options.name);
+  params.filters = make_filters(options.name);
+  if (!options.quality.empty()) {
+    if (options.name != kAuto) {
+      throw Error(ErrorCode::kInvalidArgument,
+                  "--quality chooses the filters of auto; leave out --filter, or --quality");
+    }
+    set_option(params, "quality", options.quality);
+  }
   if (!options.bank.empty()) set_option(params, "bank", options.bank);
   if (options.range_sigma) set_option(params, "range-sigma", *options.range_sigma);
   for (const std::string& text : options.feature_sigmas) {

@@ -12,9 +12,12 @@
 
 namespace stein::cli {
 
+inline constexpr const char* kAuto = "auto";
+
 struct FilterOptions {
-  std::string name;
-  std::string bank;  ///< empty: the filter's own
+  std::string name = kAuto;
+  std::string quality;  ///< empty: the default
+  std::string bank;     ///< empty: the filter's own
   std::optional<float> range_sigma;
   std::vector<std::string> feature_sigmas;
   std::string order;        ///< of a regression; empty: the filter's own

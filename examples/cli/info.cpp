@@ -19,7 +19,7 @@ namespace {
 struct InfoOptions {
   std::string input;
   MappingOptions mapping;
-  float samples = 0;
+  SamplesOption samples;
   bool json = false;
 };
 
@@ -35,10 +35,17 @@ void print_list(const char* title, const std::vector<std::string>& lines) {
   }
 }
 
+std::string view_list(const exr::LoadedFrame& input) {
+  std::string list;
+  for (const std::string& view : input.views()) list += (list.empty() ? "" : ", ") + view;
+  return list;
+}
+
 void print_text(const exr::LoadedFrame& input, const FrameReport& report) {
   const Frame& frame = input.frame();
   std::printf("%s\n%s\nschema: %s\nsamples: %s\n", input.path().c_str(), size_text(input).c_str(),
               input.schema().c_str(), samples_text(frame).c_str());
+  if (!input.views().empty()) std::printf("view: %s, of %s\n", input.view().c_str(), view_list(input).c_str());
   if (frame.colour_variance[0]) std::printf("invalid pixels: %lld\n", static_cast<long long>(report.invalid_pixels));
   for (std::size_t i = 0; i < report.bad_feature_pixels.size(); ++i) {
     std::printf("pixels without a usable %s: %lld\n", frame.features[i].name.c_str(),
@@ -93,6 +100,8 @@ void print_json(const exr::LoadedFrame& input, const FrameReport& report) {
                      {"height", frame.height},
                      {"data_window", input.data_window()},
                      {"schema", input.schema()},
+                     {"view", input.view()},
+                     {"views", input.views()},
                      {"samples", samples_json(frame)},
                      {"invalid_pixels", report.invalid_pixels},
                      {"bad_feature_pixels", bad_features},
@@ -104,7 +113,8 @@ void print_json(const exr::LoadedFrame& input, const FrameReport& report) {
 }
 
 void info(const InfoOptions& options) {
-  exr::ReadOptions read{.samples_per_pixel = options.samples, .read_extra_layers = true, .require_variance = false};
+  exr::ReadOptions read{.layers = {"all"}, .require_variance = false};
+  apply(options.samples, read);
   apply(options.mapping, read);
   const exr::LoadedFrame input = exr::read_frame(options.input, read);
   const FrameReport report = input.frame().colour_variance[0] ? inspect(input.frame()) : FrameReport{};
@@ -116,7 +126,7 @@ void info(const InfoOptions& options) {
 Action add_info(CLI::App& verb) {
   auto options = std::make_shared<InfoOptions>();
   verb.add_option("FILE", options->input, "OpenEXR file")->required();
-  verb.add_option("--samples", options->samples, "Samples per pixel, for files that do not say");
+  declare(verb, options->samples);
   declare(verb, options->mapping);
   verb.add_flag("--json", options->json, "Print JSON");
   verb.footer(kFooter);

@@ -127,8 +127,9 @@ Picture vector_picture(const exr::NamedPlanes& planes, std::optional<ValueRange>
 Picture choice_picture(ConstPlaneView choice) {
   const double highest = statistics(choice).maximum;
   const int last = std::isfinite(highest) ? static_cast<int>(std::clamp(highest, 0.0, 99.0)) : 0;
-  Picture picture = paint(
-      {choice}, [](const std::array<float, 3>& v) { return category_colour(static_cast<int>(std::lround(v[0]))); });
+  Picture picture = paint({choice}, [](const std::array<float, 3>& v) {
+    return v[0] < 0 ? kNonFinite : category_colour(static_cast<int>(std::lround(v[0])));
+  });
   return with_category_key(std::move(picture), last);
 }
 

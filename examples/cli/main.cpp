@@ -39,12 +39,13 @@ constexpr const char* kFooter =
     "'stein VERB --help' describes the options of a verb.\n"
     "\n"
     "Exit codes:\n"
-    "  0  done\n"
-    "  1  any other failure\n"
-    "  2  bad arguments\n"
-    "  3  the input cannot be used: planes are missing, invalid or unsupported\n"
-    "  4  a file cannot be read or written\n"
-    "  5  cancelled (Ctrl-C or SIGTERM); no output is left behind";
+    "   0  done\n"
+    "   1  any other failure\n"
+    "   2  bad arguments\n"
+    "   3  the input cannot be used: planes are missing, invalid or unsupported\n"
+    "   4  a file cannot be read or written\n"
+    "   5  cancelled (Ctrl-C or SIGTERM); no output is left behind\n"
+    "  75  full disk, too little memory, input/output error: another try may succeed";
 
 Action declare(CLI::App& app) {
   app.set_version_flag("--version", "stein " STEIN_VERSION, "Print the version and exit");

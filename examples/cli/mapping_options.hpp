@@ -15,12 +15,21 @@ struct MappingOptions {
   std::string preset;
   std::vector<std::string> maps;
   std::string variance_of;
+  std::string view;
+};
+
+/// Of one file: a number, or the channel that holds them.
+struct SamplesOption {
+  std::string text;
 };
 
 /// Declares them; `options` must outlive the parsing.
 void declare(CLI::App& verb, MappingOptions& options);
 
+void declare(CLI::App& verb, SamplesOption& option);
+
 /// @throws Error kInvalidArgument.
 void apply(const MappingOptions& options, exr::ReadOptions& read);
+void apply(const SamplesOption& option, exr::ReadOptions& read);
 
 }  // namespace stein::cli

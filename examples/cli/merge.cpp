@@ -78,6 +78,7 @@ exr::LoadedFrame read(const MergeOptions& options, std::size_t file) {
   const auto& samples = options.samples;
   const float given = samples.empty() ? 0 : samples[samples.size() == 1 ? 0 : file];
   exr::ReadOptions read{.samples_per_pixel = given, .require_variance = false};
+  read.progress = [](double) { return !interrupted(); };
   apply(options.mapping, read);
   return exr::read_frame(options.inputs[file], read);
 }
@@ -103,7 +104,7 @@ class Merger {
     }
     const Moments moments = film.moments();
     check_not_interrupted();
-    exr::write_frame(options_.output, moments.frame(), first);
+    exr::write_frame(options_.output, moments.frame(), first, [](double) { return !interrupted(); });
     progress_->show(1);
     progress_.reset();
     report(film, moments.frame());

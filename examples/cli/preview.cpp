@@ -25,7 +25,7 @@ struct PreviewOptions {
 constexpr const char* kFooter =
     "Colour layers are exposed, clipped and sRGB-encoded; normals and other vectors become colours; everything else "
     "is\n"
-    "shown in false colours with a scale. Values that are not finite are magenta.\n"
+    "shown in false colours with a scale. Values that are not finite, and pixels that were filled, are magenta.\n"
     "\n"
     "Examples:\n"
     "  stein preview clean.exr -o clean.png --exposure 1.5\n"
@@ -62,7 +62,7 @@ Picture make_picture(const Layer& layer, const PreviewOptions& options) {
 }
 
 void preview(const PreviewOptions& options) {
-  check_output_path(options.output);
+  check_output_path(options.output, options.input);
   write_png(options.output, make_picture(find_layer(options.input, options.layer), options));
 }
 

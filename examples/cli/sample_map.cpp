@@ -40,6 +40,7 @@ struct SampleMapOptions {
 };
 
 void declare(CLI::App& verb, SampleMapOptions& options) {
+  options.method.filter.name = CrossBilateralParams::kName;
   declare_method(verb, options.method);
   verb.add_option("--budget", options.allocation.budget, "Samples to hand out in all")
       ->required()
@@ -56,7 +57,8 @@ void declare(CLI::App& verb, SampleMapOptions& options) {
 
 DenoiseParams params_of(SampleMapOptions& options) {
   FilterOptions& filter = options.method.filter;
-  if (filter.bank.empty() && has_banks(make_filter(filter.name))) filter.bank = "intermediate";
+  const std::vector<FilterSpec> filters = make_filters(filter.name);
+  if (filter.bank.empty() && std::any_of(filters.begin(), filters.end(), has_banks)) filter.bank = "intermediate";
   DenoiseParams params = denoise_params(options.method);
   set_option(params, "density-rule", options.density);
   return params;
@@ -85,7 +87,7 @@ void run_sample_map(SampleMapOptions& options) {
     progress->show(fraction);
     return !interrupted();
   };
-  const exr::LoadedFrame input = read_input(options.method);
+  const exr::LoadedFrame input = read_input(options.method, [](double) { return !interrupted(); });
   const Frame& frame = input.frame();
   // So that bounds that leave no room for the budget are told before the work, not after it.
   static_cast<void>(allocate_samples(Plane(frame.width, frame.height).view(), options.allocation));
@@ -100,7 +102,7 @@ void run_sample_map(SampleMapOptions& options) {
   const ConstPlaneView view(counts.data(), ScalarType::kUint32, frame.width, frame.height);
   exr::write_planes(options.method.output, {{"samples.V", view}}, {input.data_window()[0], input.data_window()[1]});
   progress.reset();
-  print_warnings(result.report);
+  print_warnings(options.method.input, result.report);
   if (!options.method.quiet) {
     std::printf("%s -> %s\n", options.method.input.c_str(), options.method.output.c_str());
     std::printf("  estimated relative error so far: %.5f\n", result.report.mean_relative_error);

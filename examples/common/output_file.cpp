@@ -10,17 +10,20 @@
 #include <system_error>
 
 #include "stein/error.hpp"
+#include "stein/exr.hpp"
 
 namespace stein::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void fail(const std::string& path, const std::string& reason) {
-  throw Error(ErrorCode::kIo, "cannot write '" + path + "': " + reason);
+[[noreturn]] void fail(const std::string& path, const std::string& reason, int system_error = 0) {
+  throw Error(ErrorCode::kIo, "cannot write '" + path + "': " + reason, system_error);
 }
 
-[[noreturn]] void fail_with_errno(const std::string& path) { fail(path, std::generic_category().message(errno)); }
+[[noreturn]] void fail_with_errno(const std::string& path) {
+  fail(path, std::generic_category().message(errno), errno);
+}
 
 bool write_all(int file, std::string_view content) {
   while (!content.empty()) {
@@ -47,6 +50,11 @@ bool write_and_close(int file, std::string_view content) {
 
 }  // namespace
 
+bool is_same_file(const std::string& a, const std::string& b) {
+  std::error_code error;
+  return fs::equivalent(a, b, error) || fs::weakly_canonical(a, error) == fs::weakly_canonical(b, error);
+}
+
 void check_output_path(const std::string& path) {
   std::error_code ignored;
   const fs::path folder = fs::absolute(path, ignored).parent_path();
@@ -62,8 +70,7 @@ void check_output_path(const std::string& path) {
 }
 
 void check_output_path(const std::string& path, const std::string& input) {
-  std::error_code error;
-  if (std::filesystem::equivalent(input, path, error)) {
+  if (is_same_file(input, path)) {
     throw Error(ErrorCode::kInvalidArgument, "-o " + path + " is the input itself: choose another file");
   }
   check_output_path(path);
@@ -71,25 +78,14 @@ void check_output_path(const std::string& path, const std::string& input) {
 
 void write_whole_file(const std::string& path, std::string_view content) {
   std::error_code error;
-  const bool is_special = fs::exists(path, error) && !fs::is_regular_file(path, error);
-  // A link is kept, and what it points to is replaced.
-  const fs::path target = fs::is_symlink(path, error) ? fs::weakly_canonical(path, error) : fs::path(path);
-  const std::string name = is_special ? path : target.string() + "." + std::to_string(getpid()) + ".tmp";
-  const int flags = is_special ? O_WRONLY : O_WRONLY | O_CREAT | O_EXCL;
-  const int file = open(name.c_str(), flags | O_CLOEXEC, 0666);
-  if (file < 0) {
-    fail_with_errno(path);
-  }
-  const bool written = write_and_close(file, content);
-  if (written && (is_special || rename(name.c_str(), target.c_str()) == 0)) {
+  if (!fs::exists(path, error) || fs::is_regular_file(path, error)) {
+    exr::write_bytes(path, content);
     return;
   }
-  const int failure = errno;
-  if (!is_special) {
-    unlink(name.c_str());
+  const int file = open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  if (file < 0 || !write_and_close(file, content)) {
+    fail_with_errno(path);
   }
-  errno = failure;
-  fail_with_errno(path);
 }
 
 }  // namespace stein::cli

@@ -6,6 +6,9 @@
 
 namespace stein::cli {
 
+/// Whether both name one file, which need not exist.
+[[nodiscard]] bool is_same_file(const std::string& a, const std::string& b);
+
 /// Fails before the work is done rather than after it: the folder must exist and be writable, the path no folder.
 /// @throws Error kIo naming the path.
 void check_output_path(const std::string& path);

@@ -5,12 +5,9 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <cstdio>
-#include <exception>
-#include <new>
 #include <string>
 
 #include "exit_codes.hpp"
-#include "stein/error.hpp"
 
 namespace stein::cli {
 namespace {
@@ -40,12 +37,9 @@ int run_program(const char* name, const char* description, int argc, char** argv
     CLI::App app(description, name);
     const Action action = declare(app);
     return parse_and_run(name, app, argc, argv, action);
-  } catch (const Error& error) {
-    return fail(name, exit_code(error.code()), error.code() == ErrorCode::kCancelled ? "cancelled" : error.what());
-  } catch (const std::bad_alloc&) {
-    return fail(name, kOtherFailure, "out of memory");
-  } catch (const std::exception& error) {
-    return fail(name, kOtherFailure, error.what());
+  } catch (...) {
+    const Failure failure = current_failure();
+    return fail(name, failure.code(), failure.what());
   }
 }
 

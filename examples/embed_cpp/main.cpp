@@ -56,7 +56,7 @@ int main() try {
   const stein::Moments moments = film.moments();
 
   stein::DenoiseParams params;
-  params.filter = stein::make_filter("cross-bilateral");
+  params.filters = {stein::CrossBilateralParams{}};
   double progress = 0;
   params.execution.progress = [&](double done) {  // where a program would look whether somebody pressed "cancel"
     progress = done;

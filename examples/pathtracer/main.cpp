@@ -66,11 +66,12 @@ std::string footer() {
       "  pathtracer --scene motion --counts counts.exr --seed 2 -o batch2.exr\n"
       "\n"
       "Exit codes:\n"
-      "  0  done\n"
-      "  1  any other failure\n"
-      "  2  bad arguments\n"
-      "  4  a file cannot be written\n"
-      "  5  cancelled (Ctrl-C or SIGTERM); no output is left behind";
+      "   0  done\n"
+      "   1  any other failure\n"
+      "   2  bad arguments\n"
+      "   4  a file cannot be written\n"
+      "   5  cancelled (Ctrl-C or SIGTERM); no output is left behind\n"
+      "  75  full disk, too little memory, input/output error: another try may succeed";
   return text;
 }
 

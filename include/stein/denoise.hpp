@@ -26,7 +26,7 @@ enum class Selection : std::uint8_t {
 
 /// How the error of a candidate is estimated. All are unbiased for noise that is Gaussian and of the variances given.
 enum class Risk : std::uint8_t {
-  kAuto,        ///< the best that filter and frame allow, see DenoiseReport::risk
+  kAuto,        ///< the best that filter and frame allow, see FilterShare::risk
   kPlain,       ///< SURE in closed form, SBF Eq. 2: colour channels and features err independently
   kJoint,       ///< joint SURE in closed form, Joint SURE Eq. 2: with the frame's covariances, which it must have
   kMonteCarlo,  ///< joint SURE from runs of the filter on perturbed input; plain SURE where there are no covariances
@@ -49,7 +49,9 @@ struct OutlierParams {
 };
 
 struct DenoiseParams {
-  FilterSpec filter = CrossBilateralParams{};
+  /// One to kMaxFilters. Of each, its candidates are mixed to a picture by `selection`; the pictures of several, and
+  /// the input, are mixed to the one of least estimated error (docs/selection.md).
+  std::vector<FilterSpec> filters = filters_of(Quality::kDefault);
   Risk risk = Risk::kAuto;
   MonteCarloParams monte_carlo;  ///< read where the risk is estimated that way
   OutlierParams outliers;
@@ -70,28 +72,47 @@ struct StageSeconds {
   double seconds = 0;
 };
 
+/// One filter's part in the result.
+struct FilterShare {
+  std::string name;
+  double weight = 0;        ///< mean over the image of its weight in the mixture
+  std::string risk;         ///< the risk estimate that was used, such as "joint SURE"
+  std::string risk_reason;  ///< why that one
+};
+
 struct DenoiseReport {
   FrameReport frame;
   std::int64_t outlier_pixels = 0;      ///< pixels that were scaled down before filtering
   double outlier_energy = 0;            ///< what that removed from the filters' input, as a fraction of the image's sum
   std::vector<std::string> candidates;  ///< entry names; index = value of the choice plane; 0 is the unfiltered input
   std::vector<double> choice_share;     ///< fraction of pixels whose largest weight is that entry's
+  std::vector<FilterShare> filters;     ///< one for each filter, in their order
   std::array<double, 3> mean_error{};   ///< mean over the image of the estimated squared error, per channel
   double mean_relative_error = 0;       ///< mean of error / (result^2 + 0.01) over pixels and channels
-  std::string risk;                     ///< the risk estimate that was used, such as "joint SURE"
-  std::string risk_reason;              ///< why that one
   std::vector<std::string> warnings;    ///< in words, for people
   std::vector<StageSeconds> stages;
   std::string instruction_set;  ///< of the kernels, such as "AVX3"
 };
+
+/// A layer of the frame after the filter.
+struct FilteredLayer {
+  std::string name;
+  std::vector<Plane> mean;  ///< as many channels as the frame has
+};
+
+/// As that of the frame's layer.
+[[nodiscard]] std::string plane_name(const FilteredLayer& layer, std::size_t channel);
 
 /// All planes have the frame's size; those of colour and error are each a Plane::triple.
 struct DenoiseResult {
   std::array<Plane, 3> colour;
   /// Estimated squared error of `colour`, smoothed. Can be below 0: the estimate is kept free of that bias.
   std::array<Plane, 3> error;
-  Plane choice;   ///< index of the entry with the largest weight, see DenoiseReport::candidates
+  /// Index of the entry with the largest weight, see DenoiseReport::candidates; -1 where the pixel had no usable colour
+  /// and was filled.
+  Plane choice;
   Plane density;  ///< SBF Eq. 9, relative: >= 0, mean 1 (all 1 where nothing is left to gain anywhere)
+  std::vector<FilteredLayer> layers;  ///< those of the frame, in its order
   DenoiseReport report;
 };
 

@@ -20,11 +20,15 @@ enum class ErrorCode {
 /// The one exception type that public functions throw (besides std::bad_alloc).
 class Error : public std::runtime_error {
  public:
-  Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+  explicit Error(ErrorCode code, const std::string& message, int system_error = 0)
+      : std::runtime_error(message), code_(code), system_error_(system_error) {}
   [[nodiscard]] ErrorCode code() const noexcept { return code_; }
+  /// Of kIo, the `errno` behind it, such as ENOSPC for a full disk; 0 where there is none.
+  [[nodiscard]] int system_error() const noexcept { return system_error_; }
 
  private:
   ErrorCode code_;
+  int system_error_;
 };
 
 }  // namespace stein

@@ -8,7 +8,8 @@ namespace stein {
 
 /// How to run, never what to compute: results are bit-identical for every setting here.
 struct Execution {
-  /// 0: work in the task arena of the calling thread, as it is. n >= 1: at most n threads, the calling one included.
+  /// 0: work in the task arena of the calling thread, as it is; where that is the default one, with
+  /// available_threads(). n >= 1: at most n threads, the calling one included.
   int threads = 0;
   int tile_width = 0;   ///< [0, 16..4096] px; 0: default
   int tile_height = 0;  ///< [0, 1..4096] px; 0: default
@@ -16,6 +17,10 @@ struct Execution {
   /// Return false to cancel: the call in progress ends within about one tile and throws Error kCancelled.
   std::function<bool(double)> progress;
 };
+
+/// Cores that this process may keep busy: those of its affinity mask, and no more than the CPU quota of its control
+/// groups allows (containers, batch systems).
+[[nodiscard]] int available_threads();
 
 }  // namespace stein
 #pragma GCC visibility pop

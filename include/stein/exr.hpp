@@ -5,8 +5,10 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -44,14 +46,23 @@ struct ReadOptions {
   /// Samples per pixel where the file has no `sampleCount` channel; 0: none given.
   float samples_per_pixel = 0;
   bool read_covariances = true;
-  bool read_extra_layers = false;  ///< alpha and further colour layers into the Frame
+  /// What goes into Frame::layers: "key" for the channels key.R, key.G and key.B, or the full name of a single channel
+  /// such as "A". "all": every layer of R, G and B that is nothing else (no feature, no Cryptomatte), and alpha.
+  std::vector<std::string> layers = {};
   /// false: a file without variances of the colour is read as well. Its frame lacks them, so that `check` refuses it.
   bool require_variance = true;
   std::string preset = {};                         ///< name of the schema; empty: found by the names of the channels
   std::vector<PlaneMap> maps = {};                 ///< before the schema
   VarianceOf variance_of = VarianceOf::kAsStated;  ///< of all variances, against the schema
+  /// Of a file of several views (multiView, or parts with a view), such as "right"; empty: the default view. A view
+  /// sees its own channels only, and parts without a view.
+  std::string view = {};
+  /// Called with the fraction read in [0, 1], in the calling thread, for each chunk of the file. Return false to
+  /// cancel: Error kCancelled.
+  std::function<bool(double)> progress = {};
 };
 
+struct ViewResult;
 struct WriteOptions;
 
 /// A frame read from a file together with the memory that its views look at. Movable; the views stay valid.
@@ -76,6 +87,9 @@ class LoadedFrame {
   [[nodiscard]] const std::vector<std::string>& missing() const noexcept;
   /// Whose names the channels bear, such as "pbrt (pbrt-v4, GBufferFilm)".
   [[nodiscard]] const std::string& schema() const noexcept;
+  /// All views of the file, the default view first; empty where it has one only.
+  [[nodiscard]] const std::vector<std::string>& views() const noexcept;
+  [[nodiscard]] const std::string& view() const noexcept;  ///< which of them this is
   /// What is taken for granted though the file does not say it, in words.
   [[nodiscard]] const std::vector<std::string>& assumptions() const noexcept;
 
@@ -83,9 +97,9 @@ class LoadedFrame {
 
  private:
   friend LoadedFrame read_frame(const std::string& path, const ReadOptions& options);
-  friend void write_result(const std::string& path, const LoadedFrame& source, const DenoiseResult& result,
-                           const WriteOptions& options);
-  friend void write_frame(const std::string& path, const Frame& frame, const LoadedFrame& source);
+  friend void write_results(const std::string& path, const std::vector<ViewResult>& views, const WriteOptions& options);
+  friend void write_frame(const std::string& path, const Frame& frame, const LoadedFrame& source,
+                          const std::function<bool(double)>& progress);
   std::unique_ptr<Data> data_;
 };
 
@@ -114,27 +128,44 @@ struct WriteOptions {
   bool density = true;       ///< density.V
   bool noisy = false;        ///< the input's colour as noisy.R/G/B
   bool inputs = false;       ///< keep the planes that describe the noisy input: variances, covariances, sampleCount
-  bool half_colour = false;  ///< write R, G, B as half (float otherwise); what half cannot hold is clamped to +-65504
+  bool half_colour = false;  ///< R, G, B and layers as half (float otherwise); what half cannot hold becomes +-65504
+  /// As that of ReadOptions, for each chunk of the source and of the output; cancelled, there is no output.
+  std::function<bool(double)> progress = {};
 };
 
-/// Writes the result next to everything of `source` that does not describe its noise: other channels, parts and
-/// attributes are carried over bit for bit, streamed from the source's file, which `path` may be as well. Parts that
-/// lose or gain channels, always the one with the colour, are written as scanlines, also where the source has tiles (of
-/// a pyramid, its full size), with ZIP where its compression is lossy. Error, choice and density of an earlier run are
-/// dropped. The file appears whole or not at all (temporary file in the same folder, renamed).
+/// Writes the result, its layers under the names that they have in the file, next to everything of `source` that does
+/// not describe its noise: other channels, parts and attributes are carried over bit for bit, streamed from the
+/// source's file, which `path` may be as well. Parts that lose or gain channels, always the one with the colour, are
+/// written as scanlines, also where the source has tiles (of a pyramid, its full size), with ZIP where its compression
+/// is lossy. Error, choice and density of an earlier run are dropped. The file appears whole or not at all (temporary
+/// file .NAME.*.stein-tmp in the same folder, renamed; those of writers that were killed go when the file is next
+/// written).
 /// @throws Error kIo naming the file; kInvalidArgument if the result is not of the source's size.
 void write_result(const std::string& path, const LoadedFrame& source, const DenoiseResult& result,
                   const WriteOptions& options = {});
 
+/// A view of a file, and what it was filtered to.
+struct ViewResult {
+  const LoadedFrame& source;
+  const DenoiseResult& result;
+};
+
+/// The same for several views of one file. New channels bear the view's name where its channels do: error.right.R.
+void write_results(const std::string& path, const std::vector<ViewResult>& views, const WriteOptions& options = {});
+
 /// Writes a frame in the native schema in place of the one in `source`; everything else of `source` is carried over as
-/// by `write_result`, its earlier results and noisy colours left out.
+/// by `write_result`, its earlier results and noisy colours left out. `progress`: as that of WriteOptions.
 /// @throws Error kInvalidFrame, kIo naming the file, kInvalidArgument if the frame is not of the source's size.
-void write_frame(const std::string& path, const Frame& frame, const LoadedFrame& source);
+void write_frame(const std::string& path, const Frame& frame, const LoadedFrame& source,
+                 const std::function<bool(double)>& progress = {});
 
 /// A plain file of named planes of one size, written whole or not at all: uint planes as uint, others as float.
 /// `origin`: x and y of the first pixel in the file's data window.
 void write_planes(const std::string& path, const std::vector<std::pair<std::string, ConstPlaneView>>& planes,
                   const std::array<int, 2>& origin = {0, 0});
+
+/// Any bytes as a file, written as the images are: whole or not at all. @throws Error kIo naming the file.
+void write_bytes(const std::string& path, std::string_view bytes);
 
 }  // namespace stein::exr
 #pragma GCC visibility pop

@@ -200,6 +200,24 @@ using FilterSpec = std::variant<CrossBilateralParams, CrossNlmParams, GaussianPa
 
 /// The names of the candidates that a spec gives, the unfiltered input first ("input", "sigma_s=1", ...).
 [[nodiscard]] std::vector<std::string> candidate_names(const FilterSpec& spec);
+/// Of several: the input, then those of each; where there is more than one filter, with its name before them.
+[[nodiscard]] std::vector<std::string> candidate_names(const std::vector<FilterSpec>& specs);
+
+inline constexpr int kMaxFilters = 7;  ///< that are mixed
+
+/// Which filters are worth their time.
+enum class Quality : std::uint8_t {
+  kFast,     ///< the cheapest one that is any good
+  kDefault,  ///< most of what the best one gives at half the time
+  kBest,     ///< whatever adds something
+};
+
+/// The filters of a quality, with their parameters. docs/performance.md has their times, docs/quality.md their errors.
+[[nodiscard]] std::vector<FilterSpec> filters_of(Quality quality);
+
+/// "auto": the filters of Quality::kDefault; else filters with their default parameters, by names with commas between.
+/// @throws Error kInvalidArgument if there is no such filter.
+[[nodiscard]] std::vector<FilterSpec> make_filters(std::string_view names);
 
 /// @throws Error kInvalidArgument naming the parameter, its value and its range.
 void check(const FilterSpec& spec);

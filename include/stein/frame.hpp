@@ -25,10 +25,13 @@ struct Feature {
   std::vector<ConstPlaneView> colour_covariance;
 };
 
-/// A further colour plane group (light group, AOV) that is to stay consistent with the colour.
-struct ColourLayer {
-  std::string name;
-  std::array<ConstPlaneView, 3> mean;
+/// Further planes of the image that are to be filtered as the colour is: with the weights that were found for it.
+///
+/// Three channels are light: what the parts of the colour (diffuse and specular, light groups) sum up to before, they
+/// do after. One channel is alpha or another share of the pixel's samples. Colour and layers are premultiplied.
+struct Layer {
+  std::string name;  ///< of the planes, too: "key" has key.R, key.G and key.B; one channel is "A" itself
+  std::vector<ConstPlaneView> mean;  ///< 3 channels, or 1
 };
 
 /// One noisy image with everything that is known about its noise. All planes have the size width x height.
@@ -45,9 +48,8 @@ struct Frame {
   /// 0: n - 1 in each pixel.
   float degrees_of_freedom = 0;
   std::vector<Feature> features;
-  ConstPlaneView alpha;                   ///< optional; carried, not filtered
-  std::vector<ColourLayer> extra_layers;  ///< carried, not filtered
-  std::string origin;                     ///< where it came from (a file name); only used in messages
+  std::vector<Layer> layers;
+  std::string origin;  ///< where it came from (a file name); only used in messages
 };
 
 /// The first value found that cannot be used.
@@ -69,11 +71,14 @@ struct FrameReport {
   std::vector<BadValue> first_bad_feature;  ///< per feature; meaningful if its count is > 0
   /// Pixels with a covariance that is no number, though colour and feature are usable; it counts as 0 there.
   std::int64_t bad_covariance_pixels = 0;
-  BadValue first_bad_covariance;          ///< meaningful if bad_covariance_pixels > 0
+  BadValue first_bad_covariance;  ///< meaningful if bad_covariance_pixels > 0
+  /// Per layer: pixels where it is unusable though the colour is usable. They are filled from the layer's neighbours.
+  std::vector<std::int64_t> bad_layer_pixels;
+  std::vector<BadValue> first_bad_layer;  ///< per layer; meaningful if its count is > 0
   std::int64_t single_sample_pixels = 0;  ///< n = 1: a variance given there cannot come from the samples
 };
 
-/// Checks the structure of a frame: sizes, presence of required planes, channel counts, unique feature names.
+/// Checks the structure of a frame: sizes, presence of required planes, channel counts, unique names.
 /// @throws Error kInvalidFrame naming the plane and what to do.
 void check(const Frame& frame);
 
@@ -87,8 +92,11 @@ void check_strict(const Frame& frame);
 /// Every plane that the frame has, under its name in files (docs/inputs.md).
 [[nodiscard]] std::vector<std::pair<std::string, ConstPlaneView>> named_planes(const Frame& frame);
 
-/// "variance.G" and the like, for messages.
+/// "normal.variance.X" and the like.
 [[nodiscard]] std::string plane_name(const Feature& feature, std::size_t channel, bool is_variance);
+
+/// "key.G", or the layer's name where it has one channel.
+[[nodiscard]] std::string plane_name(const Layer& layer, std::size_t channel);
 
 }  // namespace stein
 #pragma GCC visibility pop

@@ -13,7 +13,8 @@
 #pragma GCC visibility push(default)
 namespace stein {
 
-/// Texts. Of filters that have such a parameter (filters.hpp):
+/// Texts. quality (fast, default, best) takes the place of the filters and their parameters: set it first. Of the
+/// filters that have such a parameter (filters.hpp):
 ///
 ///   bank            final, intermediate (cheaper, for use between batches of samples)
 ///   spatial-sigmas  numbers with commas between, such as 1,2,4; and range-sigmas
@@ -24,7 +25,7 @@ namespace stein {
 /// and of the rest: risk (auto, sure, joint, monte-carlo), selection (evidence, argmin), density-rule (next-samples,
 /// all-samples, error-reduction).
 ///
-/// @throws Error kInvalidArgument if there is no such option, its filter does not have it, or the value is none of the
+/// @throws Error kInvalidArgument if there is no such option, none of the filters has it, or the value is none of the
 /// words or not a number. Whether numbers are in range, check(DenoiseParams) says.
 void set_option(DenoiseParams& params, const std::string& name, const std::string& text);
 

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdio>
-#include <cstdlib>
 
 namespace stein::c {
 namespace {
@@ -15,6 +14,9 @@ static_assert(static_cast<int>(ErrorCode::kUnsupported) == STEIN_UNSUPPORTED);
 static_assert(static_cast<int>(ErrorCode::kCancelled) == STEIN_CANCELLED);
 static_assert(STEIN_VERSION == STEIN_PROJECT_VERSION, "stein.h and the project's version in CMakeLists.txt must agree");
 
+// 2^40: with it the largest image still has offsets that can be computed.
+constexpr std::ptrdiff_t kLargestStride = std::ptrdiff_t{1} << 40;
+
 // No std::string: it could fail itself, and its destructor would outlive a library that is unloaded.
 thread_local std::array<char, 2048> last_message{};
 
@@ -25,15 +27,17 @@ stein_status fail(stein_status status, const char* function, const char* message
   return status;
 }
 
-void require_strides(const char* plane, std::ptrdiff_t element, std::ptrdiff_t pixel_stride,
-                     std::ptrdiff_t row_stride) {
-  for (const std::ptrdiff_t stride : {pixel_stride, row_stride}) {
-    if (stride != 0 && std::abs(stride) < element) {
-      refuse(std::string("plane '") + plane + "': the " + (stride == pixel_stride ? "pixel" : "row") + " stride is " +
-             std::to_string(stride) + " bytes, less than an element of " + std::to_string(element) +
-             "; strides are in bytes, and 0 means packed");
-    }
-  }
+void require_strides(const char* plane, std::ptrdiff_t element, std::ptrdiff_t pixel_stride, std::ptrdiff_t row_stride,
+                     int width) {
+  const auto require_one = [&](const char* which, std::ptrdiff_t stride) {
+    const bool is_less = stride > -element && stride < element;
+    if (stride == 0 || (!is_less && stride >= -kLargestStride && stride <= kLargestStride)) return;
+    refuse(std::string("plane '") + plane + "': the " + which + " stride is " + std::to_string(stride) + " bytes, " +
+           (is_less ? "less than an element of " + std::to_string(element) : "more than any memory") +
+           "; strides are in bytes, and 0 means packed");
+  };
+  require_one("pixel", pixel_stride);
+  require_one("row", row_stride != 0 ? row_stride : pixel_stride * width);
 }
 
 }  // namespace stein::c

@@ -54,6 +54,7 @@ inline void require_no_dot(const std::string& name) {
 }
 
 /// @throws Error kInvalidArgument where a stride cannot be right. 0 means packed.
-void require_strides(const char* plane, std::ptrdiff_t element, std::ptrdiff_t pixel_stride, std::ptrdiff_t row_stride);
+void require_strides(const char* plane, std::ptrdiff_t element, std::ptrdiff_t pixel_stride, std::ptrdiff_t row_stride,
+                     int width);
 
 }  // namespace stein::c

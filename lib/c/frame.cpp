@@ -28,6 +28,15 @@ ScalarType scalar_type(stein_type type) {
   }
 }
 
+template <class Visit>
+void for_each_plane(Frame& frame, const Visit& visit) {
+  for_each_colour_slot(frame, visit);
+  for (Feature& feature : frame.features) for_each_slot(feature, visit);
+  for (Layer& layer : frame.layers) {
+    for (std::size_t c = 0; c < layer.mean.size(); ++c) visit(plane_name(layer, c), layer.mean[c]);
+  }
+}
+
 ConstPlaneView& slot(Frame& frame, const std::string& wanted) {
   ConstPlaneView* found = nullptr;
   std::string names;
@@ -35,11 +44,11 @@ ConstPlaneView& slot(Frame& frame, const std::string& wanted) {
     if (name == wanted) found = &view;
     names += " " + name;
   };
-  for_each_colour_slot(frame, compare);
-  for (Feature& feature : frame.features) for_each_slot(feature, compare);
+  for_each_plane(frame, compare);
   if (found == nullptr) {
-    refuse("the frame has no plane '" + wanted +
-           "'; declare features with stein_frame_add_feature first. It has:" + names);
+    refuse(
+        "the frame has no plane '" + wanted +
+        "'; declare features with stein_frame_add_feature, layers with stein_frame_add_layer first. It has:" + names);
   }
   return *found;
 }
@@ -57,6 +66,24 @@ void add_feature(Frame& frame, const std::string& name, int channels) {
   Feature feature{name, std::vector<ConstPlaneView>(static_cast<std::size_t>(channels)), {}, {}};
   make_slots(feature);
   frame.features.push_back(std::move(feature));
+}
+
+bool has_plane(Frame& frame, const std::string& wanted) {
+  bool found = false;
+  for_each_plane(frame, [&](const std::string& name, const ConstPlaneView&) { found = found || name == wanted; });
+  return found;
+}
+
+void add_layer(Frame& frame, const std::string& name, int channels) {
+  if (name.empty()) refuse("a layer has no name");
+  if (channels != 1 && channels != 3)
+    refuse("layer '" + name + "' has " + std::to_string(channels) + " channels; 3 or 1 are possible");
+  Layer layer{name, std::vector<ConstPlaneView>(static_cast<std::size_t>(channels))};
+  for (std::size_t c = 0; c < layer.mean.size(); ++c) {
+    if (has_plane(frame, plane_name(layer, c)))
+      refuse("the frame has a plane '" + plane_name(layer, c) + "' already; give the layer another name");
+  }
+  frame.layers.push_back(std::move(layer));
 }
 
 }  // namespace
@@ -79,6 +106,7 @@ Frame frame_of(const stein_frame* handle) {
 }  // namespace stein::c
 
 using stein::c::add_feature;
+using stein::c::add_layer;
 using stein::c::guarded;
 using stein::c::guarded_make;
 using stein::c::refuse;
@@ -111,6 +139,14 @@ stein_status stein_frame_add_feature(stein_frame* frame, const char* name, int32
   });
 }
 
+stein_status stein_frame_add_layer(stein_frame* frame, const char* name, int32_t channels) {
+  return guarded("stein_frame_add_layer", [&] {
+    require(frame, "the frame");
+    require(name, "the name");
+    add_layer(frame->slots, name, channels);
+  });
+}
+
 stein_status stein_frame_set_plane(stein_frame* frame, const char* name, stein_type type, const void* data,
                                    ptrdiff_t pixel_stride, ptrdiff_t row_stride) {
   return guarded("stein_frame_set_plane", [&] {
@@ -118,8 +154,8 @@ stein_status stein_frame_set_plane(stein_frame* frame, const char* name, stein_t
     require(name, "the name");
     require(data, (std::string("the data of plane '") + name + "'").c_str());
     const stein::ScalarType scalar = scalar_type(type);
-    require_strides(name, stein::byte_size(scalar), pixel_stride, row_stride);
     stein::Frame& slots = frame->slots;
+    require_strides(name, stein::byte_size(scalar), pixel_stride, row_stride, slots.width);
     slot(slots, name) = stein::ConstPlaneView(data, scalar, slots.width, slots.height, pixel_stride, row_stride);
   });
 }

@@ -33,7 +33,7 @@ using stein::c::require;
 stein_status stein_params_create(const char* filter, stein_params** params) {
   return guarded_make("stein_params_create", params, [&] {
     auto made = std::make_unique<stein_params>();
-    if (filter != nullptr) made->values.filter = stein::make_filter(filter);
+    if (filter != nullptr) made->values.filters = stein::make_filters(filter);
     return made.release();
   });
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,15 +15,15 @@ namespace {
 
 // What a result has of a kind, by name.
 template <class Value>
-using Table = std::vector<std::pair<const char*, Value>>;
+using Table = std::vector<std::pair<std::string, Value>>;
 
 template <class Value>
 Value look_up(const Table<Value>& table, const char* kind, const char* name) {
   require(name, "the name");
   std::string names;
   for (const auto& [known, value] : table) {
-    if (std::string(name) == known) return value;
-    names += std::string(" ") + known;
+    if (name == known) return value;
+    names += " " + known;
   }
   refuse(std::string("a result has no ") + kind + " '" + name + "'; it has:" + names);
 }
@@ -29,20 +31,20 @@ Value look_up(const Table<Value>& table, const char* kind, const char* name) {
 const Plane& plane_of(const stein_result* result, const char* name) {
   require(result, "the result");
   const DenoiseResult& r = result->value;
-  return *look_up<const Plane*>({{"R", &r.colour.at(0)},
-                                 {"G", &r.colour.at(1)},
-                                 {"B", &r.colour.at(2)},
-                                 {"error.R", &r.error.at(0)},
-                                 {"error.G", &r.error.at(1)},
-                                 {"error.B", &r.error.at(2)},
-                                 {"choice.V", &r.choice},
-                                 {"density.V", &r.density}},
-                                "plane", name);
+  Table<const Plane*> planes = {{"R", &r.colour.at(0)},      {"G", &r.colour.at(1)},      {"B", &r.colour.at(2)},
+                                {"error.R", &r.error.at(0)}, {"error.G", &r.error.at(1)}, {"error.B", &r.error.at(2)},
+                                {"choice.V", &r.choice},     {"density.V", &r.density}};
+  for (const FilteredLayer& layer : r.layers) {
+    for (std::size_t c = 0; c < layer.mean.size(); ++c) planes.emplace_back(plane_name(layer, c), &layer.mean[c]);
+  }
+  return *look_up(planes, "plane", name);
 }
 
 double number_of(const stein_result* result, const char* name) {
   require(result, "the result");
   const DenoiseReport& report = result->value.report;
+  const std::vector<std::int64_t>& bad_layers = report.frame.bad_layer_pixels;
+  const auto bad_layer_pixels = std::accumulate(bad_layers.begin(), bad_layers.end(), std::int64_t{0});
   return look_up<double>({{"invalid_pixels", static_cast<double>(report.frame.invalid_pixels)},
                           {"single_sample_pixels", static_cast<double>(report.frame.single_sample_pixels)},
                           {"outlier_pixels", static_cast<double>(report.outlier_pixels)},
@@ -50,7 +52,8 @@ double number_of(const stein_result* result, const char* name) {
                           {"mean_error.R", report.mean_error[0]},
                           {"mean_error.G", report.mean_error[1]},
                           {"mean_error.B", report.mean_error[2]},
-                          {"mean_relative_error", report.mean_relative_error}},
+                          {"mean_relative_error", report.mean_relative_error},
+                          {"bad_layer_pixels", static_cast<double>(bad_layer_pixels)}},
                          "number", name);
 }
 
@@ -60,10 +63,14 @@ const char* text_of(const stein_result* result, const char* name, int32_t index)
   const DenoiseReport& report = result->value.report;
   const auto i = static_cast<std::size_t>(index);
   const auto entry = [&](const std::vector<std::string>& list) { return i < list.size() ? list[i].c_str() : nullptr; };
-  const std::array<const char*, 2> risk = {report.risk.c_str(), report.risk_reason.c_str()};
+  const auto filter = [&](std::string FilterShare::*text) {
+    return i < report.filters.size() ? (report.filters[i].*text).c_str() : nullptr;
+  };
   return look_up<const char*>({{"warning", entry(report.warnings)},
                                {"candidate", entry(report.candidates)},
-                               {"risk", i < risk.size() ? risk.at(i) : nullptr}},
+                               {"filter", filter(&FilterShare::name)},
+                               {"risk", filter(&FilterShare::risk)},
+                               {"risk_reason", filter(&FilterShare::risk_reason)}},
                               "text", name);
 }
 
@@ -94,7 +101,7 @@ stein_status stein_result_copy(const stein_result* result, const char* name, flo
   return guarded("stein_result_copy", [&] {
     const stein::Plane& plane = plane_of(result, name);
     require(to, "the memory to copy to");
-    require_strides(name, sizeof(float), pixel_stride, row_stride);
+    require_strides(name, sizeof(float), pixel_stride, row_stride, plane.width());
     const stein::PlaneView view(to, plane.width(), plane.height(), pixel_stride, row_stride);
     for (int y = 0; y < plane.height(); ++y) view.write_row(y, 0, plane.width(), plane.row(y));
   });

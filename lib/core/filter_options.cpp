@@ -19,22 +19,34 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::kInvalidArgument, message); }
 
-/// Calls set(member) where the filter's parameters have the member that `pick` takes from them.
+using Filters = std::vector<FilterSpec>;
+
+std::string joined_names(const Filters& filters) {
+  std::string names;
+  for (const FilterSpec& spec : filters) names += (names.empty() ? "'" : ", '") + std::string(filter_name(spec)) + "'";
+  return names;
+}
+
+/// Calls set(member) for each filter whose parameters have the member that `pick` takes from them.
 template <class Pick, class Set>
-void with_member(FilterSpec& spec, const std::string& name, const Pick& pick, const Set& set) {
-  const bool found = std::visit(
-      [&](auto& params) {
-        constexpr bool kHasMember = std::is_invocable_v<Pick, decltype(params)>;
-        if constexpr (kHasMember) set(pick(params));
-        return kHasMember;
-      },
-      spec);
-  if (!found) refuse("the filter '" + std::string(filter_name(spec)) + "' has no option " + name);
+void with_member(Filters& filters, const std::string& name, const Pick& pick, const Set& set) {
+  bool found = false;
+  for (FilterSpec& spec : filters) {
+    std::visit(
+        [&](auto& params) {
+          if constexpr (std::is_invocable_v<Pick, decltype(params)>) {
+            set(pick(params));
+            found = true;
+          }
+        },
+        spec);
+  }
+  if (!found) refuse("the filter " + joined_names(filters) + " has no option " + name);
 }
 
 template <class Pick>
-void set_number(FilterSpec& spec, const std::string& name, double value, const Pick& pick) {
-  with_member(spec, name, pick, [&]<class Member>(Member& member) {
+void set_number(Filters& filters, const std::string& name, double value, const Pick& pick) {
+  with_member(filters, name, pick, [&]<class Member>(Member& member) {
     if constexpr (std::integral<Member>) {
       member = static_cast<Member>(whole(name, value));
     } else {
@@ -100,38 +112,38 @@ void take_bank(auto& to, const auto& from) {
   }
 }
 
-void set_bank(FilterSpec& spec, const std::string& name, const std::string& text) {
+void set_bank(Filters& filters, const std::string& name, const std::string& text) {
   constexpr std::array<Word<bool>, 2> kWords = {{{"final", false}, {"intermediate", true}}};
   const bool is_intermediate = choose(name, text, kWords);
-  with_member(spec, name, kWithBanks, [&]<class Params>(Params& params) {
+  with_member(filters, name, kWithBanks, [&]<class Params>(Params& params) {
     is_intermediate ? take_bank(params, intermediate(params)) : take_bank(params, Params{});
   });
 }
 
-void set_distance(FilterSpec& spec, const std::string& name, const std::string& text) {
+void set_distance(Filters& filters, const std::string& name, const std::string& text) {
   constexpr std::array<Word<PatchDistance>, 2> kWords = {
       {{"absolute", PatchDistance::kAbsolute}, {"variance-normalised", PatchDistance::kVarianceNormalised}}};
   const PatchDistance distance = choose(name, text, kWords);
-  with_member(spec, name, kDistance, [&](PatchDistance& member) { member = distance; });
+  with_member(filters, name, kDistance, [&](PatchDistance& member) { member = distance; });
 }
 
-void set_order(FilterSpec& spec, const std::string& name, const std::string& text) {
+void set_order(Filters& filters, const std::string& name, const std::string& text) {
   constexpr int kAdaptive = -1;
   constexpr std::array<Word<int>, 4> kWords = {{{"0", 0}, {"1", 1}, {"3", 3}, {"adaptive", kAdaptive}}};
   const int order = choose(name, text, kWords);
-  with_member(spec, name, kOrders, [&](std::vector<int>& orders) {
+  with_member(filters, name, kOrders, [&](std::vector<int>& orders) {
     orders = order == kAdaptive ? AdaptiveOrderParams{}.orders : std::vector<int>{order};
   });
 }
 
-void set_order_error(FilterSpec& spec, const std::string& name, const std::string& text) {
+void set_order_error(Filters& filters, const std::string& name, const std::string& text) {
   constexpr std::array<Word<OrderError>, 2> kWords = {{{"risk", OrderError::kRisk}, {"taylor", OrderError::kTaylor}}};
   const OrderError error = choose(name, text, kWords);
-  with_member(spec, name, kError, [&](OrderError& member) { member = error; });
+  with_member(filters, name, kError, [&](OrderError& member) { member = error; });
 }
 
-void set_feature_sigma(FilterSpec& spec, const std::string& name, double sigma) {
-  with_member(spec, name, kGuides, [&](FeatureGuides& guides) {
+void set_feature_sigma(Filters& filters, const std::string& name, double sigma) {
+  with_member(filters, name, kGuides, [&](FeatureGuides& guides) {
     const std::string_view feature = feature_of_option(name);
     std::vector<FeatureSigma>& sigmas = guides.feature_sigmas;
     const auto known = std::find_if(sigmas.begin(), sigmas.end(), [&](const auto& s) { return s.name == feature; });
@@ -141,16 +153,16 @@ void set_feature_sigma(FilterSpec& spec, const std::string& name, double sigma) 
 }
 
 template <const auto& pick>
-void set_list_of(FilterSpec& spec, const std::string& name, const std::string& text) {
-  with_member(spec, name, pick, [&](std::vector<float>& member) { member = parse_list(name, text); });
+void set_list_of(Filters& filters, const std::string& name, const std::string& text) {
+  with_member(filters, name, pick, [&](std::vector<float>& member) { member = parse_list(name, text); });
 }
 
 template <const auto& pick>
-void set_number_of(FilterSpec& spec, const std::string& name, double value) {
-  set_number(spec, name, value, pick);
+void set_number_of(Filters& filters, const std::string& name, double value) {
+  set_number(filters, name, value, pick);
 }
 
-constexpr auto kTexts = std::to_array<Option<FilterSpec, const std::string&>>({
+constexpr auto kTexts = std::to_array<Option<Filters, const std::string&>>({
     {"bank", set_bank},
     {"spatial-sigmas", set_list_of<kSpatialSigmas>},
     {"range-sigmas", set_list_of<kRangeSigmas>},
@@ -159,7 +171,7 @@ constexpr auto kTexts = std::to_array<Option<FilterSpec, const std::string&>>({
     {"order-error", set_order_error},
 });
 
-constexpr auto kNumbers = std::to_array<Option<FilterSpec, double>>({
+constexpr auto kNumbers = std::to_array<Option<Filters, double>>({
     {"other-feature-sigma", set_number_of<kOtherSigma>},
     {"min-feature-variance", set_number_of<kMinFeatureVariance>},
     {"range-sigma", set_number_of<kRangeSigma>},
@@ -189,19 +201,19 @@ std::string_view feature_of_option(std::string_view name) {
   return name.starts_with(kFeatureSigmaPrefix) ? name.substr(kFeatureSigmaPrefix.size()) : std::string_view();
 }
 
-bool set_filter_option(FilterSpec& spec, const std::string& name, const std::string& text) {
+bool set_filter_option(Filters& filters, const std::string& name, const std::string& text) {
   const auto* option = find_option(kTexts, name);
-  if (option != nullptr) option->set(spec, name, text);
+  if (option != nullptr) option->set(filters, name, text);
   return option != nullptr;
 }
 
-bool set_filter_option(FilterSpec& spec, const std::string& name, double value) {
+bool set_filter_option(Filters& filters, const std::string& name, double value) {
   if (!feature_of_option(name).empty()) {
-    set_feature_sigma(spec, name, value);
+    set_feature_sigma(filters, name, value);
     return true;
   }
   const auto* option = find_option(kNumbers, name);
-  if (option != nullptr) option->set(spec, name, value);
+  if (option != nullptr) option->set(filters, name, value);
   return option != nullptr;
 }
 

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "stein/error.hpp"
 #include "stein/filters.hpp"
@@ -55,10 +56,11 @@ inline constexpr std::string_view kFeatureSigmaPrefix = "feature-sigma.";
 /// The feature that feature-sigma.<feature> is about; empty for other options.
 [[nodiscard]] std::string_view feature_of_option(std::string_view name);
 
-/// Both return whether there is an option of this name and kind.
-/// @throws Error kInvalidArgument if the filter does not have it, or cannot have this value.
-[[nodiscard]] bool set_filter_option(FilterSpec& spec, const std::string& name, const std::string& text);
-[[nodiscard]] bool set_filter_option(FilterSpec& spec, const std::string& name, double value);
+/// Both set it for every filter of the list that has it, and return whether there is an option of this name and kind.
+/// @throws Error kInvalidArgument if none of the filters has it, or it cannot have this value.
+[[nodiscard]] bool set_filter_option(std::vector<FilterSpec>& filters, const std::string& name,
+                                     const std::string& text);
+[[nodiscard]] bool set_filter_option(std::vector<FilterSpec>& filters, const std::string& name, double value);
 
 enum class OptionKind { kNone, kText, kNumber };
 [[nodiscard]] OptionKind filter_option_kind(std::string_view name);

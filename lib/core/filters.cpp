@@ -133,6 +133,36 @@ FilterSpec make_filter(std::string_view name) {
   return spec;
 }
 
+std::vector<std::string> candidate_names(const std::vector<FilterSpec>& specs) {
+  if (specs.size() == 1) return candidate_names(specs.front());
+  std::vector<std::string> names = {"input"};
+  for (const FilterSpec& spec : specs) {
+    const std::vector<std::string> own = candidate_names(spec);
+    for (std::size_t i = 1; i < own.size(); ++i) names.push_back(std::string(filter_name(spec)) + " " + own[i]);
+  }
+  return names;
+}
+
+std::vector<FilterSpec> make_filters(std::string_view names) {
+  if (names == "auto") return filters_of(Quality::kDefault);
+  std::vector<FilterSpec> specs;
+  for (;;) {
+    const std::size_t comma = names.find(',');
+    specs.push_back(make_filter(names.substr(0, comma)));
+    if (comma == std::string_view::npos) return specs;
+    names.remove_prefix(comma + 1);
+  }
+}
+
+std::vector<FilterSpec> filters_of(Quality quality) {
+  if (quality == Quality::kFast) return {AtrousSureParams{}};
+  if (quality == Quality::kBest)
+    return {AdaptiveOrderParams{}, CrossNlmParams{}, CrossBilateralParams{}, AtrousSureParams{}};
+  AdaptiveOrderParams regression;
+  regression.orders = {0, 1};
+  return {regression, AtrousSureParams{}};
+}
+
 bool has_derivative(const FilterSpec& spec) {
   return std::visit([](const auto& params) { return std::remove_cvref_t<decltype(params)>::kHasDerivative; }, spec);
 }

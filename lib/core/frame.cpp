@@ -24,7 +24,7 @@ std::string channel_suffix(std::size_t channel, std::size_t count, const std::st
 }
 
 [[noreturn]] void fail(const Frame& frame, const std::string& what) {
-  throw Error(ErrorCode::kInvalidFrame, (frame.origin.empty() ? std::string("frame") : frame.origin) + ": " + what);
+  throw Error(ErrorCode::kInvalidFrame, name_of(frame) + ": " + what);
 }
 
 void check_plane(const Frame& frame, const ConstPlaneView& view, const std::string& name, const char* advice) {
@@ -94,16 +94,32 @@ void check_feature(const Frame& frame, const Feature& feature) {
   }
 }
 
+void check_layer(const Frame& frame, const Layer& layer) {
+  if (layer.name.empty()) fail(frame, "a layer has no name; give each layer a unique name");
+  if (layer.mean.size() != 1 && layer.mean.size() != 3) {
+    fail(frame, "layer '" + layer.name + "' has " + std::to_string(layer.mean.size()) +
+                    " channels; supply R, G and B, or one channel");
+  }
+  for (std::size_t c = 0; c < layer.mean.size(); ++c)
+    check_plane(frame, layer.mean[c], plane_name(layer, c), "supply all channels of the layer");
+}
+
+}  // namespace
+
 std::string describe(const BadValue& bad) {
   std::ostringstream text;
   text << "plane '" << bad.plane << "' holds " << bad.value << " at pixel (" << bad.x << ", " << bad.y << ")";
   return text.str();
 }
 
-}  // namespace
+std::string name_of(const Frame& frame) { return frame.origin.empty() ? "frame" : "'" + frame.origin + "'"; }
 
 std::string plane_name(const Feature& feature, std::size_t channel, bool is_variance) {
   return feature.name + (is_variance ? ".variance." : ".") + channel_suffix(channel, feature.mean.size(), feature.name);
+}
+
+std::string plane_name(const Layer& layer, std::size_t channel) {
+  return layer.mean.size() == 1 ? layer.name : layer.name + "." + kRgb.at(channel);
 }
 
 void check(const Frame& frame) {
@@ -120,10 +136,11 @@ void check(const Frame& frame) {
     if (!names.insert(feature.name).second)
       fail(frame, "two features are named '" + feature.name + "'; names must be unique");
   }
-  if (frame.alpha) check_plane(frame, frame.alpha, "A", "");
-  for (const ColourLayer& layer : frame.extra_layers) {
-    for (std::size_t c = 0; c < 3; ++c)
-      check_plane(frame, layer.mean[c], layer.name + "." + kRgb[c], "supply R, G and B of the layer");
+  names.clear();
+  for (const Layer& layer : frame.layers) {
+    check_layer(frame, layer);
+    if (!names.insert(layer.name).second)
+      fail(frame, "two layers are named '" + layer.name + "'; names must be unique");
   }
 }
 
@@ -147,6 +164,13 @@ void require_clean(const Frame& frame, const FrameReport& report) {
     if (report.bad_feature_pixels[f] > 0) {
       fail(frame, describe(report.first_bad_feature[f]) + "; " + std::to_string(report.bad_feature_pixels[f]) +
                       " pixels of feature '" + frame.features[f].name +
+                      "' are unusable: fix the renderer, or allow repairs");
+    }
+  }
+  for (std::size_t l = 0; l < report.bad_layer_pixels.size(); ++l) {
+    if (report.bad_layer_pixels[l] > 0) {
+      fail(frame, describe(report.first_bad_layer[l]) + "; " + std::to_string(report.bad_layer_pixels[l]) +
+                      " pixels of layer '" + frame.layers[l].name +
                       "' are unusable: fix the renderer, or allow repairs");
     }
   }

@@ -15,9 +15,8 @@ std::vector<std::pair<std::string, ConstPlaneView>> named_planes(const Frame& fr
   };
   for_each_colour_slot(frame, add);
   for (const Feature& feature : frame.features) for_each_slot(feature, add);
-  add("A", frame.alpha);
-  for (const ColourLayer& layer : frame.extra_layers) {
-    for (std::size_t c = 0; c < 3; ++c) add(layer.name + "." + kColourNames[c], layer.mean[c]);
+  for (const Layer& layer : frame.layers) {
+    for (std::size_t c = 0; c < layer.mean.size(); ++c) add(plane_name(layer, c), layer.mean[c]);
   }
   return planes;
 }

@@ -61,6 +61,14 @@ BadValue explain_feature(const Feature& feature, int x, int y) {
   return {};
 }
 
+BadValue explain_layer(const Layer& layer, int x, int y) {
+  for (std::size_t c = 0; c < layer.mean.size(); ++c) {
+    const float mean = layer.mean[c].at(x, y);
+    if (!kColour(mean)) return {plane_name(layer, c), x, y, mean};
+  }
+  return {};
+}
+
 BadValue explain_covariance(const Frame& frame, int x, int y) {
   constexpr std::array<const char*, 3> kPairs = {"R.G", "R.B", "G.B"};
   constexpr std::array<const char*, 3> kRgb = {"R", "G", "B"};
@@ -114,10 +122,28 @@ struct RowReport {
   int first_bad_covariance_x = 0;
   std::vector<int> bad_feature;
   std::vector<int> first_bad_x;
+  std::vector<int> bad_layer;
+  std::vector<int> first_bad_layer_x;
 };
 
 int first_zero(const std::vector<float>& mask) {
   return static_cast<int>(std::find(mask.begin(), mask.end(), 0.0F) - mask.begin());
+}
+
+void restrict_to_layer(const Layer& layer, int y, int x, int count, float* mask) {
+  for (const ConstPlaneView& plane : layer.mean) restrict_row(plane, y, x, count, mask, kColour);
+}
+
+// `colour`: the mask of usable colour.
+void inspect_layers(const Frame& frame, int y, const std::vector<float>& colour, RowReport& row) {
+  std::vector<float> both(colour.size());
+  for (const Layer& layer : frame.layers) {
+    both = colour;
+    restrict_to_layer(layer, y, 0, frame.width, both.data());
+    row.bad_layer.push_back(count_zeros(both.data(), frame.width) - row.invalid);
+    const auto first = std::mismatch(both.begin(), both.end(), colour.begin()).first;
+    row.first_bad_layer_x.push_back(static_cast<int>(first - both.begin()));
+  }
 }
 
 RowReport inspect_row(const Frame& frame, int y) {
@@ -125,6 +151,7 @@ RowReport inspect_row(const Frame& frame, int y) {
   std::vector<float> values(static_cast<std::size_t>(frame.width));
   row.invalid = colour_validity_row(frame, y, 0, frame.width, values.data());
   if (row.invalid > 0) row.first_invalid_x = first_zero(values);
+  if (!frame.layers.empty()) inspect_layers(frame, y, values, row);
   for (const Feature& feature : frame.features) {
     row.bad_feature.push_back(feature_validity_row(feature, y, 0, frame.width, values.data()));
     row.first_bad_x.push_back(row.bad_feature.back() > 0 ? first_zero(values) : 0);
@@ -160,6 +187,12 @@ int feature_validity_row(const Feature& feature, int y, int x, int count, float*
   return count_zeros(mask, count);
 }
 
+int layer_validity_row(const Frame& frame, const Layer& layer, int y, int x, int count, float* mask) {
+  colour_validity_row(frame, y, x, count, mask);
+  restrict_to_layer(layer, y, x, count, mask);
+  return count_zeros(mask, count);
+}
+
 void sample_count_row(const Frame& frame, int y, int x, int count, float* n) {
   if (frame.sample_count) {
     frame.sample_count.read_row(y, x, count, n);
@@ -177,6 +210,8 @@ FrameReport inspect(const Frame& frame, exec::Runner& runner, double progress_we
   FrameReport report;
   report.bad_feature_pixels.resize(frame.features.size());
   report.first_bad_feature.resize(frame.features.size());
+  report.bad_layer_pixels.resize(frame.layers.size());
+  report.first_bad_layer.resize(frame.layers.size());
   for (int y = 0; y < frame.height; ++y) {
     const RowReport& row = rows[static_cast<std::size_t>(y)];
     if (row.invalid > 0 && report.invalid_pixels == 0)
@@ -191,6 +226,11 @@ FrameReport inspect(const Frame& frame, exec::Runner& runner, double progress_we
         report.first_bad_feature[f] = explain_feature(frame.features[f], row.first_bad_x[f], y);
       }
       report.bad_feature_pixels[f] += row.bad_feature[f];
+    }
+    for (std::size_t l = 0; l < frame.layers.size(); ++l) {
+      if (row.bad_layer[l] > 0 && report.bad_layer_pixels[l] == 0)
+        report.first_bad_layer[l] = explain_layer(frame.layers[l], row.first_bad_layer_x[l], y);
+      report.bad_layer_pixels[l] += row.bad_layer[l];
     }
   }
   return report;

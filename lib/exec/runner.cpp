@@ -2,6 +2,7 @@
 #include "exec/runner.hpp"
 
 #include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -51,6 +52,15 @@ class AtExit {
   Action action_;
 };
 
+/// TBB looks at the affinity mask once, and not at quotas of control groups: its default arena can be too large. 0:
+/// not.
+int limit_of_default_arena() {
+  const int default_threads = tbb::info::default_concurrency();
+  if (tbb::this_task_arena::max_concurrency() != default_threads) return 0;  // the caller's choice
+  const int available = available_threads();
+  return available < default_threads ? available : 0;
+}
+
 char begin_of_loop = 0;  // static: what a closure holds is only seen after observing
 
 }  // namespace
@@ -73,11 +83,12 @@ struct Runner::State {
 };
 
 Runner::Runner(const Execution& execution) : state_(std::make_unique<State>()) {
-  if (execution.threads > 0) {
+  const int threads = execution.threads > 0 ? execution.threads : limit_of_default_arena();
+  if (threads > 0) {
     constexpr auto kLimit = tbb::global_control::max_allowed_parallelism;
-    const auto wanted = static_cast<std::size_t>(execution.threads);
+    const auto wanted = static_cast<std::size_t>(threads);
     if (wanted > tbb::global_control::active_value(kLimit)) state_->more_workers.emplace(kLimit, wanted);
-    state_->own_arena.emplace(execution.threads);
+    state_->own_arena.emplace(threads);
   }
   state_->progress = execution.progress;
 }

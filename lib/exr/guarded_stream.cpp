@@ -12,13 +12,14 @@ namespace {
 
 }  // namespace
 
-GuardedStream::GuardedStream(const std::string& path)
-    : IStream(path.c_str()), path_(path), file_(path, std::ios::binary) {
+GuardedStream::GuardedStream(const std::string& path, ByteProgress& progress)
+    : IStream(path.c_str()), path_(path), file_(path, std::ios::binary), progress_(progress) {
   if (!file_) fail(path, "it cannot be opened");
 }
 
 bool GuardedStream::read(char* to, int count) {
   if (count < 0) fail(path_, "a chunk claims to have a negative size: the file is damaged");
+  progress_.advance(count);
   file_.read(to, count);
   if (!file_) fail(path_, "it ends before its pixels do: it is truncated");
   return true;

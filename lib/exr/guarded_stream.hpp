@@ -7,14 +7,16 @@
 #include <fstream>
 #include <string>
 
+#include "exr/byte_progress.hpp"
+
 namespace stein::exr {
 
 /// What OpenEXR reads a file through. OpenEXR 3.1 copies a tile whose size in the file is negative: a read of a
-/// negative count stops that here.
+/// negative count stops that here. Reports what it reads as progress, and so can be cancelled between any two chunks.
 class GuardedStream : public Imf::IStream {
  public:
   /// @throws Error kIo if the file cannot be opened.
-  explicit GuardedStream(const std::string& path);
+  GuardedStream(const std::string& path, ByteProgress& progress);
 
   bool read(char* to, int count) override;
   std::uint64_t tellg() override;
@@ -24,6 +26,7 @@ class GuardedStream : public Imf::IStream {
  private:
   std::string path_;
   std::ifstream file_;
+  ByteProgress& progress_;
 };
 
 }  // namespace stein::exr

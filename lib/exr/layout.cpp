@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "exr/component_order.hpp"
+#include "exr/views.hpp"
 
 namespace stein::exr {
 namespace {
@@ -36,7 +37,7 @@ class LayoutBuilder {
       : file_(file), mapping_(mapping), schema_(*mapping.schema) {}
 
   Layout build() {
-    ChannelNames names = name_channels(file_, schema_);
+    ChannelNames names = name_channels(file_, schema_, names_in_view(file_, mapping_.view));
     layout_.main_part = names.main_part;
     layout_.full_names = std::move(names.full);
     layout_.roles.assign(file_.channels().size(), Role::kNone);
@@ -54,7 +55,7 @@ class LayoutBuilder {
       }
     }
     for (const auto& [name, layer] : layers_) {
-      if (!schema_.knows_feature(name) && !add_feature(name, layer)) add_extra_layer(name, layer);
+      if (!schema_.knows_feature(name)) add_feature(name, layer);
     }
     settle_covariances();
     return std::move(layout_);
@@ -62,13 +63,6 @@ class LayoutBuilder {
 
  private:
   void note(const std::string& words) { layout_.missing.push_back(words); }
-
-  /// Deep parts hold no planes, and another view (the other eye of a stereo pair) is another image.
-  [[nodiscard]] bool takes_part(int part) const {
-    if (file_.is_deep(part)) return false;
-    const auto view = [&](int p) { return file_.header(p).hasView() ? file_.header(p).view() : std::string(); };
-    return layout_.main_part < 0 || view(part).empty() || view(part) == view(layout_.main_part);
-  }
 
   void set_role(int channel, Role role, const std::string& words) {
     if (channel < 0) return;
@@ -84,11 +78,19 @@ class LayoutBuilder {
     return std::any_of(mapping_.maps.begin(), mapping_.maps.end(), [&](const PlaneMap& m) { return m.plane == plane; });
   }
 
+  /// Whether the caller gave a colour with variances of its own, so that the file's covariances are of another one.
+  [[nodiscard]] bool has_other_colour() const {
+    return std::any_of(mapping_.maps.begin(), mapping_.maps.end(),
+                       [](const PlaneMap& m) { return m.plane == kColourMap && !m.variance.empty(); });
+  }
+
   [[nodiscard]] int find(const std::string& name, const PlaneMap& map) const {
     const auto found = std::find(layout_.full_names.begin(), layout_.full_names.end(), name);
     if (found != layout_.full_names.end()) return static_cast<int>(found - layout_.full_names.begin());
     std::string list;
-    for (const std::string& known : layout_.full_names) list += (list.empty() ? "" : ", ") + known;
+    for (const std::string& known : layout_.full_names) {
+      if (!known.empty()) list += (list.empty() ? "" : ", ") + known;
+    }
     throw Error(ErrorCode::kInvalidArgument, "'" + file_.path() + "': it has no channel " + name + " for " + map.plane +
                                                  ", as the map says; it has " + list);
   }
@@ -131,7 +133,8 @@ class LayoutBuilder {
   void assign(std::size_t index) {
     const SourceChannel& channel = file_.channels()[index];
     const int at = static_cast<int>(index);
-    if (!takes_part(channel.part) || mapped_.count(at) > 0) return;
+    const bool holds_planes = !file_.is_deep(channel.part) && !layout_.full_names[index].empty();
+    if (!holds_planes || mapped_.count(at) > 0) return;
     const auto found = match(schema_, layout_.full_names[index], mapping_.bindings);
     if (!found || !names_seen_.insert(layout_.full_names[index]).second) return;
     const Role role = found->entry->role;
@@ -139,6 +142,8 @@ class LayoutBuilder {
     const auto colour = found->colours.empty() ? 0 : static_cast<std::size_t>(found->colours[0]);
     const bool is_of_feature =
         role == Role::kFeatureMean || role == Role::kFeatureVariance || role == Role::kFeatureCovariance;
+    const bool is_covariance = role == Role::kFeatureCovariance || role == Role::kColourCovariance;
+    if (is_covariance && has_other_colour()) return;
     if (is_of_feature) {
       if (!is_mapped(found->feature)) assign_feature(*found, of, at);
       return;
@@ -205,16 +210,6 @@ class LayoutBuilder {
     }
     layout_.features.push_back(std::move(feature));
     return true;
-  }
-
-  void add_extra_layer(const std::string& name, const Layer& layer) {
-    LayerLayout extra{name, {}};
-    for (std::size_t colour = 0; colour < 3; ++colour) {
-      const auto found = layer.find(std::string(1, "RGB"[colour]));
-      if (found == layer.end() || found->second.mean.channel < 0) return;
-      extra.mean[colour] = found->second.mean.channel;
-    }
-    layout_.extra_layers.push_back(std::move(extra));
   }
 
   void settle_covariances() {

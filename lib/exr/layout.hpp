@@ -22,16 +22,12 @@ struct FeatureLayout {
   VarianceOf variance_of = VarianceOf::kMean;
 };
 
-struct LayerLayout {
-  std::string name;
-  std::array<int, 3> mean{};
-};
-
 struct Layout {
-  int main_part = -1;                   ///< the part with the colour
-  std::vector<std::string> full_names;  ///< per channel, qualified by its part where that is not the main one
-  std::vector<Role> roles;              ///< per channel
-  std::vector<std::string> words;       ///< per channel: the role in words, empty for Role::kNone
+  int main_part = -1;  ///< the part with the colour
+  /// Per channel, without the view, qualified by its part where that is not the main one; empty: of another view.
+  std::vector<std::string> full_names;
+  std::vector<Role> roles;         ///< per channel
+  std::vector<std::string> words;  ///< per channel: the role in words, empty for Role::kNone
   std::array<int, 3> colour = {-1, -1, -1};
   std::array<int, 3> variance = {-1, -1, -1};
   VarianceOf variance_of = VarianceOf::kMean;    ///< of the colour
@@ -39,8 +35,7 @@ struct Layout {
   int alpha = -1;
   int sample_count = -1;
   std::vector<FeatureLayout> features;
-  std::vector<LayerLayout> extra_layers;  ///< R, G, B layers that are not features
-  std::vector<std::string> missing;       ///< in words; nothing about sample counts
+  std::vector<std::string> missing;  ///< in words; nothing about sample counts
 };
 
 /// @throws Error kInvalidFrame for a feature of which the file holds only some planes, or too many channels;
@@ -51,6 +46,8 @@ struct ChannelNames {
   int main_part = -1;             ///< the part that holds the colour (-1: none)
   std::vector<std::string> full;  ///< per channel
 };
-[[nodiscard]] ChannelNames name_channels(const SourceFile& file, const Schema& schema);
+/// `own`: the channels' names in their parts; empty for those that do not count.
+[[nodiscard]] ChannelNames name_channels(const SourceFile& file, const Schema& schema,
+                                         const std::vector<std::string>& own);
 
 }  // namespace stein::exr

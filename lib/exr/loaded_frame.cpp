@@ -16,6 +16,8 @@ std::array<float, 3> LoadedFrame::luminance_weights() const noexcept { return da
 std::array<float, 9> LoadedFrame::to_rec709() const noexcept { return data_->colour_space.to_rec709; }
 const std::vector<std::string>& LoadedFrame::missing() const noexcept { return data_->missing; }
 const std::string& LoadedFrame::schema() const noexcept { return data_->schema; }
+const std::vector<std::string>& LoadedFrame::views() const noexcept { return data_->views; }
+const std::string& LoadedFrame::view() const noexcept { return data_->view; }
 const std::vector<std::string>& LoadedFrame::assumptions() const noexcept { return data_->assumptions; }
 
 }  // namespace stein::exr

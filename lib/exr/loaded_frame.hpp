@@ -44,6 +44,8 @@ struct LoadedFrame::Data {
   std::vector<std::string> missing;
   std::string schema;
   std::vector<std::string> assumptions;
+  std::vector<std::string> views;
+  std::string view;
 };
 
 }  // namespace stein::exr

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "exr/layout.hpp"
+#include "exr/views.hpp"
 
 namespace stein::exr {
 namespace {
@@ -26,8 +27,9 @@ bool bind(std::string_view alternatives, const std::vector<std::string>& names, 
 }
 
 /// `is_chosen`: by the caller, so that only what names must be known for is asked.
-std::optional<Bindings> recognise(const SourceFile& file, const Schema& schema, bool is_chosen) {
-  const std::vector<std::string> names = name_channels(file, schema).full;
+std::optional<Bindings> recognise(const SourceFile& file, const Schema& schema, const std::string& view,
+                                  bool is_chosen) {
+  const std::vector<std::string> names = name_channels(file, schema, names_in_view(file, view)).full;
   Bindings bindings;
   for (const std::string_view pattern : schema.signature) {
     const bool is_needed = !is_chosen || pattern.find("<layer>") != std::string_view::npos;
@@ -54,14 +56,17 @@ std::vector<Companion> companions_of(const std::string& path, const Schema& sche
   return found;
 }
 
-std::optional<Mapping> try_schema(const SourceFile& alone, const Schema& schema, bool is_chosen) {
+std::optional<Mapping> try_schema(const SourceFile& alone, const Schema& schema, const std::string& view,
+                                  bool is_chosen) {
   Mapping mapping;
+  mapping.view = view;
   mapping.schema = &schema;
   mapping.companions = companions_of(alone.path(), schema);
   const bool is_one_of_many = !schema.companions.empty();
   if (is_one_of_many && mapping.companions.empty()) return std::nullopt;
-  const auto bindings = is_one_of_many ? recognise(SourceFile(alone.path(), mapping.companions), schema, is_chosen)
-                                       : recognise(alone, schema, is_chosen);
+  const auto bindings = is_one_of_many
+                            ? recognise(SourceFile(alone.path(), mapping.companions), schema, view, is_chosen)
+                            : recognise(alone, schema, view, is_chosen);
   if (!bindings) return std::nullopt;
   mapping.bindings = *bindings;
   return mapping;
@@ -69,18 +74,20 @@ std::optional<Mapping> try_schema(const SourceFile& alone, const Schema& schema,
 
 }  // namespace
 
-Mapping find_mapping(const std::string& path, const std::string& preset) {
+Mapping find_mapping(const std::string& path, const std::string& preset, const std::string& view) {
   const SourceFile file(path);
   if (preset.empty()) {
     for (const Schema& schema : schemas()) {
-      if (auto mapping = try_schema(file, schema, false)) return *mapping;
+      if (auto mapping = try_schema(file, schema, view, false)) return *mapping;
     }
-    return {};
+    Mapping native;
+    native.view = view;
+    return native;
   }
   const std::vector<const Schema*> candidates = schemas_named(preset);
   for (const bool is_chosen : {false, true}) {
     for (const Schema* schema : candidates) {
-      if (auto mapping = try_schema(file, *schema, is_chosen)) return *mapping;
+      if (auto mapping = try_schema(file, *schema, view, is_chosen)) return *mapping;
     }
   }
   const Schema& first = *candidates.front();

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Parts: which one holds the colour, and what the channels of the others are called in full.
-#include <ImfChannelList.h>
-
 #include <algorithm>
 
 #include "exr/layout.hpp"
@@ -10,9 +8,17 @@
 namespace stein::exr {
 namespace {
 
-bool has_rgb(const Imf::Header& header) {
-  const Imf::ChannelList& list = header.channels();
-  return list.findChannel("R") != nullptr && list.findChannel("G") != nullptr && list.findChannel("B") != nullptr;
+using Names = std::vector<std::string>;  // per channel of the file
+
+bool has_channel(const SourceFile& file, const Names& own, int part, const char* name) {
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    if (file.channels()[i].part == part && own[i] == name) return true;
+  }
+  return false;
+}
+
+bool has_rgb(const SourceFile& file, const Names& own, int part) {
+  return has_channel(file, own, part, "R") && has_channel(file, own, part, "G") && has_channel(file, own, part, "B");
 }
 
 /// Whether a part of this name is one layer of the schema, such as "albedo", "albedo.variance" or "covariance".
@@ -38,11 +44,11 @@ bool qualifies(const SourceFile& file, const Schema& schema, int part) {
 }
 
 /// By the habit of keeping R, G and B without a layer.
-int part_with_rgb(const SourceFile& file, const Schema& schema) {
+int part_with_rgb(const SourceFile& file, const Schema& schema, const Names& own) {
   int found = -1;
   int rank_found = 0;
   for (int part = 0; part < file.parts() && file.is_own(part); ++part) {
-    if (!has_rgb(file.header(part)) || (file.parts() > 1 && is_layer(schema, file.part_name(part)))) continue;
+    if (!has_rgb(file, own, part) || (file.parts() > 1 && is_layer(schema, file.part_name(part)))) continue;
     const bool usual =
         std::find(schema.main_parts.begin(), schema.main_parts.end(), file.part_name(part)) != schema.main_parts.end();
     const int rank = (file.is_deep(part) ? 1 : 3) + (usual ? 1 : 0);
@@ -54,18 +60,19 @@ int part_with_rgb(const SourceFile& file, const Schema& schema) {
   return found;
 }
 
-std::vector<std::string> full_names(const SourceFile& file, const Schema& schema, int main_part) {
+Names full_names(const SourceFile& file, const Schema& schema, const Names& own, int main_part) {
   std::vector<char> qualified(static_cast<std::size_t>(file.parts()));
   for (int part = 0; part < file.parts(); ++part) {
     qualified[static_cast<std::size_t>(part)] = file.parts() > 1 && part != main_part && qualifies(file, schema, part);
   }
-  std::vector<std::string> names;
-  names.reserve(file.channels().size());
-  for (const SourceChannel& channel : file.channels()) {
-    const std::string part = file.part_name(channel.part);
-    const bool as_it_is = qualified[static_cast<std::size_t>(channel.part)] == 0 || channel.name == "sampleCount" ||
-                          channel.name.rfind(part + ".", 0) == 0;
-    names.push_back(as_it_is ? channel.name : part + "." + channel.name);
+  Names names;
+  names.reserve(own.size());
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    const int part = file.channels()[i].part;
+    const std::string above = file.part_name(part) + ".";
+    const bool as_it_is = own[i].empty() || qualified[static_cast<std::size_t>(part)] == 0 || own[i] == "sampleCount" ||
+                          own[i].rfind(above, 0) == 0;
+    names.push_back(as_it_is ? own[i] : above + own[i]);
   }
   return names;
 }
@@ -88,10 +95,10 @@ int part_with_colour(const SourceFile& file, const Schema& schema, const std::ve
 
 }  // namespace
 
-ChannelNames name_channels(const SourceFile& file, const Schema& schema) {
+ChannelNames name_channels(const SourceFile& file, const Schema& schema, const std::vector<std::string>& own) {
   ChannelNames names;
-  if (is_colour(match(schema, "R"))) names.main_part = part_with_rgb(file, schema);
-  names.full = full_names(file, schema, names.main_part);
+  if (is_colour(match(schema, "R"))) names.main_part = part_with_rgb(file, schema, own);
+  names.full = full_names(file, schema, own, names.main_part);
   if (names.main_part < 0) names.main_part = part_with_colour(file, schema, names.full);
   return names;
 }

@@ -45,9 +45,9 @@ bool is_carried(Role role, const OutputRules& rules) {
   }
 }
 
-bool is_new(const OutputRules& rules, const std::string& name) {
+bool is_new(const OutputRules& rules, int part, const std::string& name) {
   return std::any_of(rules.new_channels.begin(), rules.new_channels.end(),
-                     [&](const auto& channel) { return channel.first == name; });
+                     [&](const NewChannel& channel) { return channel.part == part && channel.name == name; });
 }
 
 bool speaks_of_storage(std::string_view attribute, bool is_deep) {
@@ -76,28 +76,29 @@ Imf::Header scanline_header(const Imf::Header& source, bool keep_samples) {
   return header;
 }
 
-std::vector<PartPlan> plan_output(const SourceFile& source, const Layout& layout, const OutputRules& rules) {
+std::vector<PartPlan> plan_output(const SourceFile& source, const std::vector<Role>& roles, const OutputRules& rules) {
   std::vector<PartPlan> plan;
   for (int part = 0; part < source.parts() && source.is_own(part); ++part) {
-    const bool is_main = part == layout.main_part;
-    PartPlan next{part, !is_main, source.header(part), {}};
+    const bool has_new = std::any_of(rules.new_channels.begin(), rules.new_channels.end(),
+                                     [&](const NewChannel& channel) { return channel.part == part; });
+    PartPlan next{part, !has_new, source.header(part), {}};
     for (std::size_t i = 0; i < source.channels().size(); ++i) {
       const SourceChannel& channel = source.channels()[i];
       if (channel.part != part) continue;
-      if (is_carried(layout.roles[i], rules) && !(is_main && is_new(rules, channel.name))) {
+      if (is_carried(roles[i], rules) && !is_new(rules, part, channel.name)) {
         next.carried.push_back(channel.name);
       } else {
         next.copied = false;
       }
     }
-    if (!is_main && next.carried.empty() && !next.copied) continue;
+    if (!has_new && next.carried.empty() && !next.copied) continue;
     if (!next.copied) {
       const Imf::ChannelList& from = source.header(part).channels();
       next.header = scanline_header(source.header(part), !rules.replace_frame);
       for (const std::string& name : next.carried) next.header.channels().insert(name, from[name]);
     }
-    if (is_main) {
-      for (const auto& [name, type] : rules.new_channels) next.header.channels().insert(name, Imf::Channel(type));
+    for (const NewChannel& channel : rules.new_channels) {
+      if (channel.part == part) next.header.channels().insert(channel.name, Imf::Channel(channel.type));
     }
     plan.push_back(std::move(next));
   }

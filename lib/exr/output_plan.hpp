@@ -6,7 +6,6 @@
 #include <ImfHeader.h>
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "exr/layout.hpp"
@@ -25,16 +24,22 @@ struct PartPlan {
   std::vector<std::string> carried;  ///< channels taken from the source; meaningful if not copied
 };
 
+struct NewChannel {
+  std::string name;
+  Imf::PixelType type = Imf::FLOAT;
+  int part = 0;  ///< of the source; takes the place of a channel of that name
+};
+
 struct OutputRules {
   bool keep_inputs = false;
   bool replace_noisy = false;
   bool replace_frame = false;  ///< nothing of the source's frame is kept: neither its features nor its sample count
-  std::vector<std::pair<std::string, Imf::PixelType>> new_channels;  ///< of the main part
+  std::vector<NewChannel> new_channels;
 };
 
-/// The parts of the output in the source's order; parts that lose all channels are left out. A part that is written
-/// anew has scanlines from the top, and ZIP where the source's compression is lossy.
-[[nodiscard]] std::vector<PartPlan> plan_output(const SourceFile& source, const Layout& layout,
+/// `roles`: of the source's channels. The parts of the output in the source's order; parts that lose all channels are
+/// left out. A part that is written anew has scanlines from the top, and ZIP where the source's compression is lossy.
+[[nodiscard]] std::vector<PartPlan> plan_output(const SourceFile& source, const std::vector<Role>& roles,
                                                 const OutputRules& rules);
 
 }  // namespace stein::exr

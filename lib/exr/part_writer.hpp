@@ -18,6 +18,7 @@ struct MemoryChannel {
   std::string name;
   Imf::PixelType type = Imf::FLOAT;
   ConstPlaneView view;
+  int part = -1;  ///< of the source; -1: the one with the colour
 };
 
 /// Copies the chunks of a part without decoding them: flat or deep, scanlines or tiles of any number of levels.

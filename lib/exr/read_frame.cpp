@@ -9,9 +9,11 @@
 #include <cstdlib>
 
 #include "exr/convert_variance.hpp"
+#include "exr/layers.hpp"
 #include "exr/layout.hpp"
 #include "exr/loaded_frame.hpp"
 #include "exr/part_reader.hpp"
+#include "exr/views.hpp"
 
 namespace stein::exr {
 namespace {
@@ -22,7 +24,7 @@ class FrameReader {
       : options_(options),
         data_(data),
         mapping_(mapping_of(path, options)),
-        file_(path, mapping_.companions),
+        file_(path, mapping_.companions, options.progress),
         layout_(lay_out(file_, mapping_)) {}
 
   void read() {
@@ -30,6 +32,8 @@ class FrameReader {
     const Imf::Header& main = file_.header(layout_.main_part);
     data_.path = file_.path();
     data_.mapping = mapping_;
+    data_.views = list_views(file_);
+    data_.view = mapping_.view.empty() && !data_.views.empty() ? data_.views.front() : mapping_.view;
     data_.schema = std::string(mapping_.schema->name) + " (" + std::string(mapping_.schema->renderer) + ")";
     data_.missing = layout_.missing;
     if (layout_.variance[0] < 0) data_.missing.push_back("no variance of the colour: " + remedy());
@@ -37,7 +41,7 @@ class FrameReader {
     data_.colour_space = colour_space(main, file_.path());
     data_.frame.width = width_of(main);
     data_.frame.height = height_of(main);
-    data_.frame.origin = file_.path();
+    data_.frame.origin = file_.path() + (mapping_.view.empty() ? "" : ", view " + mapping_.view);
     find_sample_count();
     data_.frame.degrees_of_freedom = attribute(kDegreesOfFreedom);
     choose_planes();
@@ -49,15 +53,18 @@ class FrameReader {
 
  private:
   static Mapping mapping_of(const std::string& path, const ReadOptions& options) {
-    Mapping mapping = find_mapping(path, options.preset);
+    Mapping mapping = find_mapping(path, options.preset, options.view);
     mapping.maps = options.maps;
     mapping.variance_of = options.variance_of;
     return mapping;
   }
 
-  [[noreturn]] void fail(ErrorCode code, const std::string& what) const {
-    throw Error(code, "'" + file_.path() + "': " + what);
+  /// The file, and the view where one was asked for.
+  [[nodiscard]] std::string named() const {
+    return "'" + file_.path() + "'" + (mapping_.view.empty() ? "" : ", view " + mapping_.view);
   }
+
+  [[noreturn]] void fail(ErrorCode code, const std::string& what) const { throw Error(code, named() + ": " + what); }
 
   void require_colour() const {
     const int main = layout_.main_part;
@@ -96,7 +103,8 @@ class FrameReader {
 
   [[nodiscard]] std::string some_names() const {
     constexpr std::size_t kShown = 12;
-    const auto& names = layout_.full_names;
+    std::vector<std::string> names = layout_.full_names;
+    std::erase(names, "");
     std::string list = names.empty() ? "no channels" : "";
     for (std::size_t i = 0; i < std::min(kShown, names.size()); ++i) list += (i == 0 ? "" : ", ") + names[i];
     return names.size() > kShown ? list + ", ..." : list;
@@ -166,12 +174,8 @@ class FrameReader {
       choose(feature.variance);
       if (options_.read_covariances) choose(feature.covariance);
     }
-    if (!options_.read_extra_layers) return;
-    choose(std::array{layout_.alpha});
-    for (const LayerLayout& layer : layout_.extra_layers) {
-      if (std::all_of(layer.mean.begin(), layer.mean.end(), [&](int i) { return fits(channel(i)); }))
-        choose(layer.mean);
-    }
+    layers_ = find_layers(file_, layout_, options_.layers);
+    for (const LayerLayout& layer : layers_) choose(layer.mean);
   }
 
   /// Of all channels of the main part: what is not read is carried over row by row.
@@ -195,7 +199,7 @@ class FrameReader {
     for (const int index : indices) {
       if (index < 0) continue;
       if (!fits(channel(index))) refuse(index);
-      planes_.push_back(index);
+      if (std::find(planes_.begin(), planes_.end(), index) == planes_.end()) planes_.push_back(index);
     }
   }
 
@@ -260,14 +264,11 @@ class FrameReader {
     frame.colour_variance = views(layout_.variance);
     frame.colour_covariance = views(layout_.covariance);
     frame.sample_count = view(layout_.sample_count);
-    frame.alpha = view(layout_.alpha);
     for (const FeatureLayout& feature : layout_.features) {
       frame.features.push_back({feature.name, views(feature.mean), views(feature.variance), {}});
       if (options_.read_covariances) frame.features.back().colour_covariance = views(feature.covariance);
     }
-    for (const LayerLayout& layer : layout_.extra_layers) {
-      if (view(layer.mean[0])) frame.extra_layers.push_back({layer.name, views(layer.mean)});
-    }
+    for (const LayerLayout& layer : layers_) frame.layers.push_back({layer.name, views(layer.mean)});
   }
 
   void convert_variances() {
@@ -287,6 +288,12 @@ class FrameReader {
       data_.channels.push_back(
           {file_.parts() > 1 ? file_.part_name(from.part) : "", from.name, type, layout_.words[i]});
     }
+    for (const LayerLayout& layer : layers_) {
+      for (const int channel : layer.mean) {
+        std::string& role = data_.channels[static_cast<std::size_t>(channel)].role;
+        if (role.empty()) role = "layer " + layer.name;
+      }
+    }
   }
 
   const ReadOptions& options_;
@@ -294,6 +301,7 @@ class FrameReader {
   Mapping mapping_;
   SourceFile file_;
   Layout layout_;
+  std::vector<LayerLayout> layers_;
   std::vector<int> planes_;            // to be read, as channel indices
   std::vector<ConstPlaneView> views_;  // per channel of the file; absent where not read
 };

@@ -9,10 +9,17 @@
 namespace stein::exr {
 namespace {
 
+/// As they are in the file, whatever their view.
+std::vector<std::string> names_of(const SourceFile& file) {
+  std::vector<std::string> names;
+  for (const SourceChannel& channel : file.channels()) names.push_back(channel.name);
+  return names;
+}
+
 class PlanesReader {
  public:
   explicit PlanesReader(const std::string& path)
-      : file_(path), mapping_(find_mapping(path)), names_(name_channels(file_, *mapping_.schema)) {}
+      : file_(path), mapping_(find_mapping(path)), names_(name_channels(file_, *mapping_.schema, names_of(file_))) {}
 
   NamedPlanes read(std::vector<std::string> names) {
     std::vector<int> found;

@@ -2,10 +2,13 @@
 #include "exr/replacing_file.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <exception>
 #include <filesystem>
 #include <random>
 #include <string_view>
@@ -13,6 +16,7 @@
 #include <utility>
 
 #include "stein/error.hpp"
+#include "stein/exr.hpp"
 
 namespace stein::exr {
 namespace {
@@ -20,15 +24,55 @@ namespace {
 namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const std::string& path, int error) {
-  throw Error(ErrorCode::kIo, "cannot write '" + path + "': " + std::generic_category().message(error));
+  throw Error(ErrorCode::kIo, "cannot write '" + path + "': " + std::generic_category().message(error), error);
 }
 
-std::string random_name() {
+// Temporary files of out.exr are .out.exr.*.stein-tmp.
+constexpr std::string_view kSuffix = ".stein-tmp";
+
+std::string temporary_prefix(const fs::path& target) {
+  constexpr std::size_t kLongestPart = 200;  // file systems allow 255 in all
+  return "." + target.filename().string().substr(0, kLongestPart) + ".";
+}
+
+std::string random_digits() {
   std::random_device entropy;
   constexpr std::string_view kDigits = "0123456789abcdefghijklmnopqrstuv";
-  std::string name = ".stein-";
-  for (int i = 0; i < 12; ++i) name += kDigits[entropy() % kDigits.size()];
-  return name + ".tmp";
+  std::string digits;
+  for (int i = 0; i < 12; ++i) digits += kDigits[entropy() % kDigits.size()];
+  return digits;
+}
+
+bool is_temporary(const std::string& name, const std::string& prefix) {
+  return name.size() > prefix.size() + kSuffix.size() && name.compare(0, prefix.size(), prefix) == 0 &&
+         name.compare(name.size() - kSuffix.size(), kSuffix.size(), kSuffix) == 0;
+}
+
+/// Whose writer lives is locked. Where locks are not to be had, nothing is removed.
+void remove_if_orphaned(const fs::path& temporary) {
+  const int descriptor = ::open(temporary.c_str(), O_RDWR | O_NOFOLLOW | O_CLOEXEC);
+  if (descriptor < 0) return;
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) ::unlink(temporary.c_str());
+  ::close(descriptor);
+}
+
+void remove_orphans(const fs::path& target) {
+  const std::string prefix = temporary_prefix(target);
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error); !error && entry != fs::directory_iterator();
+       entry.increment(error)) {
+    if (is_temporary(entry->path().filename().string(), prefix)) remove_if_orphaned(entry->path());
+  }
+}
+
+/// Another process may take a file that is not locked yet for an orphan, and remove it.
+bool lock_and_keep(int descriptor, const std::string& path) {
+  while (::flock(descriptor, LOCK_EX) != 0 && errno == EINTR) {
+  }
+  struct stat opened {};
+  struct stat named {};
+  return ::fstat(descriptor, &opened) == 0 && ::stat(path.c_str(), &named) == 0 && opened.st_ino == named.st_ino;
 }
 
 /// So that the rename itself outlives a power cut. Not every file system can: the file is complete either way.
@@ -58,6 +102,7 @@ class ReplacingFile::Stream : public Imf::OStream {
   Stream& operator=(const Stream&) = delete;
 
   void write(const char* bytes, int count) override {
+    ask_before_write();
     const auto size = static_cast<std::size_t>(count);
     if (std::fwrite(bytes, 1, size, file_) != size) remember_and_fail();
   }
@@ -70,8 +115,11 @@ class ReplacingFile::Stream : public Imf::OStream {
     if (::fseeko(file_, static_cast<off_t>(position), SEEK_SET) != 0) remember_and_fail();
   }
 
+  void before_each_write(std::function<void()> action) { before_ = std::move(action); }
+
   /// To the disk, then closed.
   void finish() {
+    if (refusal_) std::rethrow_exception(refusal_);
     if (error_ != 0) fail(path_, error_);
     if (std::fflush(file_) != 0 || ::fsync(::fileno(file_)) != 0) remember_and_fail();
     std::FILE* file = std::exchange(file_, nullptr);
@@ -79,6 +127,17 @@ class ReplacingFile::Stream : public Imf::OStream {
   }
 
  private:
+  /// Remembered: OpenEXR writes its last bytes in a destructor, which swallows what is thrown.
+  void ask_before_write() {
+    if (!before_) return;
+    try {
+      before_();
+    } catch (...) {
+      refusal_ = std::current_exception();
+      throw;
+    }
+  }
+
   [[noreturn]] void remember_and_fail() {
     error_ = errno != 0 ? errno : EIO;
     fail(path_, error_);
@@ -87,6 +146,8 @@ class ReplacingFile::Stream : public Imf::OStream {
   std::string path_;
   std::FILE* file_;
   int error_ = 0;
+  std::function<void()> before_;
+  std::exception_ptr refusal_;
 };
 
 ReplacingFile::ReplacingFile(const std::string& path) : path_(path), target_(path) {
@@ -103,15 +164,8 @@ ReplacingFile::ReplacingFile(const std::string& path) : path_(path), target_(pat
 }
 
 void ReplacingFile::open_temporary() {
-  const fs::path folder = fs::path(target_).parent_path();
-  constexpr mode_t kReadWriteAll = 0666;  // the caller's umask takes away from it
-  int descriptor = -1;
-  for (int attempt = 0; descriptor < 0 && attempt < 100; ++attempt) {
-    temporary_ = (folder / random_name()).string();
-    descriptor = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kReadWriteAll);
-    if (descriptor < 0 && errno != EEXIST) break;
-  }
-  if (descriptor < 0) fail(path_, errno);
+  const int descriptor = create_temporary();
+  lock_.descriptor = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
   struct stat existing {};
   const bool keeps_mode = ::stat(target_.c_str(), &existing) == 0;
   const bool mode_failed = keeps_mode && ::fchmod(descriptor, existing.st_mode & 07777) != 0;
@@ -128,12 +182,36 @@ void ReplacingFile::open_temporary() {
   }
 }
 
+int ReplacingFile::create_temporary() {
+  const fs::path target(target_);
+  remove_orphans(target);
+  constexpr mode_t kReadWriteAll = 0666;  // the caller's umask takes away from it
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    const std::string name = temporary_prefix(target) + random_digits() + std::string(kSuffix);
+    const std::string path = (target.parent_path() / name).string();
+    const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, kReadWriteAll);
+    if (descriptor < 0 && errno != EEXIST) break;
+    if (descriptor >= 0 && lock_and_keep(descriptor, path)) {
+      temporary_ = path;
+      return descriptor;
+    }
+    if (descriptor >= 0) ::close(descriptor);
+  }
+  fail(path_, errno);
+}
+
 ReplacingFile::~ReplacingFile() {
   stream_.reset();
   if (!temporary_.empty()) ::unlink(temporary_.c_str());
 }
 
+ReplacingFile::Lock::~Lock() {
+  if (descriptor >= 0) ::close(descriptor);
+}
+
 Imf::OStream& ReplacingFile::stream() noexcept { return *stream_; }
+
+void ReplacingFile::before_each_write(std::function<void()> action) { stream_->before_each_write(std::move(action)); }
 
 void ReplacingFile::commit() {
   stream_->finish();
@@ -141,6 +219,15 @@ void ReplacingFile::commit() {
   temporary_.clear();
   const fs::path folder = fs::path(target_).parent_path();
   sync_folder(folder.empty() ? fs::path(".") : folder);
+}
+
+void write_bytes(const std::string& path, std::string_view bytes) {
+  constexpr std::size_t kMost = std::size_t{1} << 30;  // a stream counts in int
+  ReplacingFile target(path);
+  for (; !bytes.empty(); bytes.remove_prefix(std::min(kMost, bytes.size()))) {
+    target.stream().write(bytes.data(), static_cast<int>(std::min(kMost, bytes.size())));
+  }
+  target.commit();
 }
 
 }  // namespace stein::exr

@@ -101,7 +101,9 @@ std::int64_t regular_size(const std::string& path) {
 
 }  // namespace
 
-SourceFile::SourceFile(std::string path, const std::vector<Companion>& companions) {
+SourceFile::SourceFile(std::string path, const std::vector<Companion>& companions,
+                       const std::function<bool(double)>& progress)
+    : progress_(std::make_unique<ByteProgress>(progress)) {
   open(std::move(path), {});
   for (const Companion& companion : companions) open(companion.path, companion.name);
 }
@@ -111,7 +113,8 @@ void SourceFile::open(std::string path, std::string name) {
   with_io_errors("read '" + file.path + "'", [&] {
     file.size = regular_size(file.path);
     check_header_sizes(file.path, file.size);
-    file.stream = std::make_unique<GuardedStream>(file.path);
+    progress_->expect(file.size);
+    file.stream = std::make_unique<GuardedStream>(file.path, *progress_);
     // A table of chunks with holes is the mark of an unfinished file: not reconstructed, but reported.
     file.input = std::make_unique<Imf::MultiPartInputFile>(*file.stream, Imf::globalThreadCount(), false);
     const int first = parts();

@@ -10,14 +10,17 @@
 #include <ImfPixelType.h>
 
 #include <array>
+#include <cerrno>
 #include <cstdint>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <new>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "exr/byte_progress.hpp"
 #include "exr/guarded_stream.hpp"
 #include "stein/error.hpp"
 #include "stein/plane.hpp"
@@ -40,8 +43,13 @@ struct Companion {
 
 class SourceFile {
  public:
+  /// `progress` is told what is read of all files together.
   /// @throws Error kIo naming the file.
-  explicit SourceFile(std::string path, const std::vector<Companion>& companions = {});
+  explicit SourceFile(std::string path, const std::vector<Companion>& companions = {},
+                      const std::function<bool(double)>& progress = {});
+
+  /// For what is done between two reads. @throws Error kCancelled.
+  void check_not_cancelled() { progress_->advance(0); }
 
   [[nodiscard]] const std::string& path() const noexcept { return files_[0].path; }
   [[nodiscard]] int parts() const noexcept { return static_cast<int>(parts_.size()); }
@@ -77,6 +85,7 @@ class SourceFile {
   void open(std::string path, std::string name);
   [[nodiscard]] const Part& at(int part) const { return parts_[static_cast<std::size_t>(part)]; }
 
+  std::unique_ptr<ByteProgress> progress_;  // streams refer to it
   std::vector<File> files_;
   std::vector<Part> parts_;
   std::vector<SourceChannel> channels_;
@@ -101,7 +110,7 @@ auto with_io_errors(const std::string& action, Work&& work) {
   } catch (const Error&) {
     throw;
   } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::kIo, "cannot " + action + ": not enough memory for its planes");
+    throw Error(ErrorCode::kIo, "cannot " + action + ": not enough memory for its planes", ENOMEM);
   } catch (const std::exception& error) {
     throw Error(ErrorCode::kIo, "cannot " + action + ": " + error.what());
   }

@@ -2,11 +2,13 @@
 #include <ImfFloatAttribute.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "exr/loaded_frame.hpp"
 #include "exr/output_plan.hpp"
 #include "exr/part_writer.hpp"
 #include "exr/replacing_file.hpp"
+#include "exr/views.hpp"
 
 namespace stein::exr {
 namespace {
@@ -21,7 +23,33 @@ void check_size(const std::string& path, const Frame& frame, const std::string& 
                                                std::to_string(frame.width) + " x " + std::to_string(frame.height));
 }
 
-/// What is new in the main part; the colour under the names it has there.
+/// Sets where a layer's plane belongs: where the source has it.
+void place(const SourceFile& file, const Layout& layout, MemoryChannel& channel) {
+  for (std::size_t i = 0; i < layout.full_names.size(); ++i) {
+    const SourceChannel& from = file.channels()[i];
+    if (layout.full_names[i] != channel.name || !file.is_own(from.part)) continue;
+    channel.name = from.name;
+    channel.part = from.part;
+    return;
+  }
+}
+
+/// The layers, in the parts that have them.
+std::vector<MemoryChannel> layer_channels(const std::string& path, const Frame& frame, const DenoiseResult& result,
+                                          const WriteOptions& options, const SourceFile& file, const Layout& layout) {
+  std::vector<MemoryChannel> channels;
+  for (const FilteredLayer& layer : result.layers) {
+    for (std::size_t c = 0; c < layer.mean.size(); ++c) {
+      const std::string name = plane_name(layer, c);
+      check_size(path, frame, name, layer.mean[c]);
+      channels.push_back({name, options.half_colour ? Imf::HALF : Imf::FLOAT, layer.mean[c].view()});
+      place(file, layout, channels.back());
+    }
+  }
+  return channels;
+}
+
+/// What is new in the main part beside layers; the colour under the names it has there.
 std::vector<MemoryChannel> result_channels(const std::string& path, const Frame& frame, const DenoiseResult& result,
                                            const WriteOptions& options, const std::array<std::string, 3>& names) {
   std::vector<MemoryChannel> channels;
@@ -56,8 +84,30 @@ std::array<std::string, 3> colour_names(const SourceFile& file, const Layout& la
   return names;
 }
 
-void write_parts(SourceFile& file, const std::vector<PartPlan>& plan, int main_part,
-                 const std::vector<MemoryChannel>& channels, Imf::OStream& stream) {
+/// The colour under the names that it has, what is new beside it, and the layers.
+std::vector<MemoryChannel> channels_of_view(const std::string& path, const ViewResult& view,
+                                            const WriteOptions& options, const SourceFile& file, const Layout& layout) {
+  const Frame& frame = view.source.frame();
+  const std::array<std::string, 3> colour = colour_names(file, layout);
+  std::vector<MemoryChannel> channels = result_channels(path, frame, view.result, options, colour);
+  for (MemoryChannel& channel : channels) {
+    const bool is_colour = std::find(colour.begin(), colour.end(), channel.name) != colour.end();
+    if (!is_colour) channel.name = name_for_view(file, layout.main_part, view.source.view(), channel.name);
+  }
+  const std::vector<MemoryChannel> layers = layer_channels(path, frame, view.result, options, file, layout);
+  channels.insert(channels.end(), layers.begin(), layers.end());
+  return channels;
+}
+
+std::vector<MemoryChannel> channels_of(int part, const std::vector<MemoryChannel>& channels) {
+  std::vector<MemoryChannel> own;
+  std::copy_if(channels.begin(), channels.end(), std::back_inserter(own),
+               [part](const MemoryChannel& channel) { return channel.part == part; });
+  return own;
+}
+
+void write_parts(SourceFile& file, const std::vector<PartPlan>& plan, const std::vector<MemoryChannel>& channels,
+                 Imf::OStream& stream) {
   std::vector<Imf::Header> headers;
   headers.reserve(plan.size());
   for (const PartPlan& part : plan) headers.push_back(part.header);
@@ -67,15 +117,18 @@ void write_parts(SourceFile& file, const std::vector<PartPlan>& plan, int main_p
     if (plan[i].copied) {
       copy_part(file, plan[i], output, at);
     } else {
-      write_part(&file, plan[i], plan[i].source_part == main_part ? channels : std::vector<MemoryChannel>(), output,
-                 at);
+      write_part(&file, plan[i], channels_of(plan[i].source_part, channels), output, at);
     }
   }
 }
 
-std::vector<MemoryChannel> frame_channels(const Frame& frame) {
+/// All planes of a frame; layers, which come last, in the parts that have them.
+std::vector<MemoryChannel> frame_channels(const Frame& frame, const SourceFile& file, const Layout& layout) {
   std::vector<MemoryChannel> channels;
   for (const auto& [name, view] : named_planes(frame)) channels.push_back({name, pixel_type(view.type()), view});
+  std::size_t layer_planes = 0;
+  for (const Layer& layer : frame.layers) layer_planes += layer.mean.size();
+  for (std::size_t i = channels.size() - layer_planes; i < channels.size(); ++i) place(file, layout, channels[i]);
   return channels;
 }
 
@@ -84,16 +137,26 @@ void insert_counts(const Frame& frame, Imf::Header& header) {
   if (frame.degrees_of_freedom > 0) header.insert(kDegreesOfFreedom, Imf::FloatAttribute(frame.degrees_of_freedom));
 }
 
-void write_whole(const std::string& path, SourceFile& file, const std::vector<PartPlan>& plan, int main_part,
+/// Channels without a part go to the one with the colour.
+void plan_new(std::vector<MemoryChannel>& channels, const Layout& layout, OutputRules& rules) {
+  for (MemoryChannel& channel : channels) {
+    if (channel.part < 0) channel.part = layout.main_part;
+    rules.new_channels.push_back({channel.name, channel.type, channel.part});
+  }
+}
+
+void write_whole(const std::string& path, SourceFile& file, const std::vector<PartPlan>& plan,
                  const std::vector<MemoryChannel>& channels) {
   ReplacingFile target(path);
-  write_parts(file, plan, main_part, channels, target.stream());
+  target.before_each_write([&file] { file.check_not_cancelled(); });
+  write_parts(file, plan, channels, target.stream());
   target.commit();
 }
 
 }  // namespace
 
-void write_frame(const std::string& path, const Frame& frame, const LoadedFrame& source) {
+void write_frame(const std::string& path, const Frame& frame, const LoadedFrame& source,
+                 const std::function<bool(double)>& progress) {
   check(frame);
   if (frame.width != source.frame().width || frame.height != source.frame().height) {
     throw Error(ErrorCode::kInvalidArgument,
@@ -102,32 +165,45 @@ void write_frame(const std::string& path, const Frame& frame, const LoadedFrame&
                     std::to_string(source.frame().width) + " x " + std::to_string(source.frame().height));
   }
   const Mapping& mapping = source.data_->mapping;
-  const std::vector<MemoryChannel> channels = frame_channels(frame);
   with_io_errors("write '" + path + "' from '" + source.path() + "'", [&] {
-    SourceFile file(source.path(), mapping.companions);
+    SourceFile file(source.path(), mapping.companions, progress);
     const Layout layout = reopened_layout(file, source, mapping);
     OutputRules rules{false, true, true, {}};
-    for (const MemoryChannel& channel : channels) rules.new_channels.emplace_back(channel.name, channel.type);
-    std::vector<PartPlan> plan = plan_output(file, layout, rules);
+    std::vector<MemoryChannel> channels = frame_channels(frame, file, layout);
+    plan_new(channels, layout, rules);
+    std::vector<PartPlan> plan = plan_output(file, layout.roles, rules);
     for (PartPlan& part : plan) {
       if (part.source_part == layout.main_part) insert_counts(frame, part.header);
     }
-    write_whole(path, file, plan, layout.main_part, channels);
+    write_whole(path, file, plan, channels);
   });
 }
 
 void write_result(const std::string& path, const LoadedFrame& source, const DenoiseResult& result,
                   const WriteOptions& options) {
-  const Mapping& mapping = source.data_->mapping;
-  with_io_errors("write '" + path + "' from '" + source.path() + "'", [&] {
-    SourceFile file(source.path(), mapping.companions);
-    const Layout layout = reopened_layout(file, source, mapping);
-    const std::vector<MemoryChannel> channels =
-        result_channels(path, source.frame(), result, options, colour_names(file, layout));
+  write_results(path, {{source, result}}, options);
+}
+
+void write_results(const std::string& path, const std::vector<ViewResult>& views, const WriteOptions& options) {
+  if (views.empty()) throw Error(ErrorCode::kInvalidArgument, "cannot write '" + path + "': there is no result");
+  const std::string& from = views.front().source.path();
+  with_io_errors("write '" + path + "' from '" + from + "'", [&] {
+    SourceFile file(from, views.front().source.data_->mapping.companions, options.progress);
     OutputRules rules{options.inputs, options.noisy, false, {}};
-    for (const MemoryChannel& channel : channels) rules.new_channels.emplace_back(channel.name, channel.type);
-    const std::vector<PartPlan> plan = plan_output(file, layout, rules);
-    write_whole(path, file, plan, layout.main_part, channels);
+    std::vector<Role> roles(file.channels().size(), Role::kNone);
+    std::vector<MemoryChannel> all;
+    for (const ViewResult& view : views) {
+      if (view.source.path() != from)
+        throw Error(ErrorCode::kInvalidArgument, "'" + view.source.path() + "' and '" + from + "' are two files");
+      const Layout layout = reopened_layout(file, view.source, view.source.data_->mapping);
+      std::vector<MemoryChannel> channels = channels_of_view(path, view, options, file, layout);
+      plan_new(channels, layout, rules);
+      all.insert(all.end(), channels.begin(), channels.end());
+      for (std::size_t i = 0; i < roles.size(); ++i) {
+        if (layout.roles[i] != Role::kNone) roles[i] = layout.roles[i];
+      }
+    }
+    write_whole(path, file, plan_output(file, roles, rules), all);
   });
 }
 

@@ -45,6 +45,7 @@ class AdaptiveOrder final : public PreparedFilter {
  public:
   AdaptiveOrder(const AdaptiveOrderParams& params, const FilterContext& context)
       : source_(context.source),
+        layers_(context.layers),
         divergence_(context.divergence),
         layout_(context.tile_width, context.tile_height, tile_halo(params)),
         features_(context.source, regressors(params), context.tile_width, context.tile_height, context.window_rows),
@@ -119,8 +120,15 @@ class AdaptiveOrder final : public PreparedFilter {
 
   void fit(const Rect& tile, FilterScratch& scratch, const CandidateRows& out) const {
     exec::TilePlanes& planes = scratch.tile;
+    const int layer = kFeatures + 2 * rows_.features;
+    planes.reserve(layout_, layer + out.layers());
     load(tile, planes);
+    if (out.layers() > 0) load_layers(*layers_, tile, source_.frame(), planes, layer);
     kernels::LocalPolynomialRows rows = rows_;
+    const int channels = out.layers() > 0 ? out.layers() + kernels::kLayerColours : 0;
+    rows.layers = scratch.layers.reserve(channels, 1, kernels::kNlmBlockRows * candidates(),
+                                         kernels::nlm_layer_scratch(candidates(), channels));
+    rows.layer_colour = layers_ != nullptr ? layers_->colours() : nullptr;
     rows.weights.count = tile.width();
     const int columns = kernels::most_columns(rows.order[rows.orders - 1], rows.is_taylor);
     const OwnCovariances own(source_, divergence_, layout_, rows.has_feature_covariance ? rows.features : 0);
@@ -139,6 +147,9 @@ class AdaptiveOrder final : public PreparedFilter {
                  features_.covariance_rows(image_y, target.x0, target.width(), lines, to);
                });
       set_outputs(target, out, candidates(), rows.weights);
+      set_layers(target, out, candidates(), planes, layer, y, scratch.layers);
+      for (int k = out.layers(); k < channels; ++k)
+        scratch.layers.set_value(static_cast<std::size_t>(k), rows.weights.colour[k - out.layers()]);
       kernels::local_polynomial_rows(rows);
       if (rows.is_taylor) give_error(target, lines, out);
     }
@@ -147,7 +158,6 @@ class AdaptiveOrder final : public PreparedFilter {
   void load(const Rect& tile, exec::TilePlanes& planes) const {
     const Frame& frame = source_.frame();
     const int all = kFeatures + 2 * rows_.features;
-    planes.reserve(layout_, all);
     load_tile(tile, frame.width, frame.height, planes, 0, all, [&](int y, int x, int n, float* const* rows) {
       source_.mask_row(y, x, n, rows[kMask]);
       for (std::size_t c = 0; c < 3; ++c) {
@@ -198,6 +208,7 @@ class AdaptiveOrder final : public PreparedFilter {
   }
 
   const Source& source_;
+  const LayerSource* layers_;
   Divergence divergence_;
   exec::TileLayout layout_;
   SmoothFeatures features_;

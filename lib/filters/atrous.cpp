@@ -23,6 +23,7 @@ constexpr std::array<float, kernels::kAtrousTaps> kSpline = {1.0F / 16, 4.0F / 1
 constexpr float kFeatureSigmaFall = 0.8F;  // of all feature sigmas from level to level
 constexpr float kMostNoise = 1e30F;
 constexpr int kNoisePlane = 3;  // of a level's planes, after the colour
+constexpr int kFirstLayerPlane = kNoisePlane + 1;
 
 // What the two filters differ in.
 struct Detail {
@@ -38,6 +39,7 @@ class Atrous final : public PreparedFilter {
   Atrous(const AtrousParams& params, const Detail& detail, const FilterContext& context)
       : source_(context.source),
         guides_(context.guides),
+        layers_(context.layers),
         detail_(detail),
         levels_(params.levels),
         value_factor_(params.value_sigma > 0.0F
@@ -45,7 +47,8 @@ class Atrous final : public PreparedFilter {
                           : 0.0F),
         layout_(context.tile_width, context.tile_height, kSmoothingHalo) {
     for (int i = 0; i < levels_; ++i) {
-      rings_.emplace_back(kNoisePlane + 1, source_.frame().width, context.window_rows);
+      const int layers = layers_ != nullptr ? layers_->channels() : 0;
+      rings_.emplace_back(kFirstLayerPlane + layers, source_.frame().width, context.window_rows);
       correlations_.push_back(static_cast<float>(tap_correlation(i)));
     }
   }
@@ -55,8 +58,9 @@ class Atrous final : public PreparedFilter {
   void run(int pass, const Rect& tile, FilterScratch& scratch, const CandidateRows& out) const override {
     if (pass == 0) {
       read(tile, scratch.tile);
+      read_layers(tile, out.layers());
     } else {
-      run_level(pass - 1, tile, out);
+      run_level(pass - 1, tile, scratch.layers, out);
     }
   }
 
@@ -81,6 +85,13 @@ class Atrous final : public PreparedFilter {
     for (int y = 0; y < tile.height(); ++y) smooth_noise(tile, y, planes);
   }
 
+  void read_layers(const Rect& tile, int channels) const {
+    for (int y = tile.y0; y < tile.y1; ++y) {
+      for (int k = 0; k < channels; ++k)
+        layers_->row(k, y, tile.x0, tile.width(), rings_[0].row(kFirstLayerPlane + k, y) + tile.x0);
+    }
+  }
+
   // Sample variances of few samples are too noisy to tell noise from edges.
   void smooth_noise(const Rect& tile, int y, const exec::TilePlanes& planes) const {
     kernels::GuidedSmoothRow row;
@@ -102,8 +113,9 @@ class Atrous final : public PreparedFilter {
     kernels::guided_smooth_row(row);
   }
 
-  void run_level(int level, const Rect& tile, const CandidateRows& out) const {
+  void run_level(int level, const Rect& tile, LayerPointers& layers, const CandidateRows& out) const {
     kernels::AtrousRow row;
+    row.layers = layers.reserve(out.layers(), kernels::kAtrousTaps + 1, 2, kernels::atrous_layer_scratch(out.layers()));
     row.step = 1 << level;
     row.count = tile.width();
     row.value_factor = value_factor_;
@@ -120,6 +132,7 @@ class Atrous final : public PreparedFilter {
         if (!row.is_last) row.next_colour[c] = next(level).row(c, y) + tile.x0;
       }
       if (!row.is_last) row.next_noise = next(level).row(kNoisePlane, y) + tile.x0;
+      set_layers(level, tile.x0, y, row.is_last, layers, out);
       kernels::atrous_row(row);
     }
   }
@@ -142,10 +155,27 @@ class Atrous final : public PreparedFilter {
     }
   }
 
+  void set_layers(int level, int x, int y, bool is_last, LayerPointers& layers, const CandidateRows& out) const {
+    const exec::RowRing& ring = rings_[static_cast<std::size_t>(level)];
+    const auto count = static_cast<std::size_t>(out.layers());
+    for (std::size_t k = 0; k < count; ++k) {
+      const int plane = kFirstLayerPlane + static_cast<int>(k);
+      std::size_t row = 0;
+      for (int r = 0; r < kernels::kAtrousTaps; ++r) {
+        const int source_y = y + (r - kRadius) * (1 << level);
+        if (has_row(source_y)) layers.set_value(row++ * count + k, ring.row(plane, source_y) + x);
+      }
+      layers.set_value(kernels::kAtrousTaps * count + k, ring.row(plane, y) + x);
+      if (!is_last) layers.set_result(count + k, next(level).row(plane, y) + x);
+    }
+    layers.set_results(out, 1, x, y);
+  }
+
   [[nodiscard]] const exec::RowRing& next(int level) const { return rings_[static_cast<std::size_t>(level) + 1]; }
 
   const Source& source_;
   const GuideRows& guides_;
+  const LayerSource* layers_;
   Detail detail_;
   int levels_;
   float value_factor_;

@@ -26,6 +26,7 @@ class CrossBilateral final : public PreparedFilter {
   CrossBilateral(const CrossBilateralParams& params, const FilterContext& context)
       : source_(context.source),
         guides_(context.guides),
+        layers_(context.layers),
         divergence_(context.divergence),
         has_covariance_(guides_.has_covariance(divergence_)),
         layout_(context.tile_width, context.tile_height, radius_of(params.spatial_sigmas)),
@@ -38,11 +39,14 @@ class CrossBilateral final : public PreparedFilter {
     exec::TilePlanes& planes = scratch.tile;
     const int colour = guides_.planes();
     const int variance = colour + 3;
-    planes.reserve(layout_, variance + 3);
+    const int layer = variance + 3;
+    planes.reserve(layout_, layer + out.layers());
     guides_.load(tile, planes);
     load_colour(tile, planes, colour);
+    if (out.layers() > 0) load_layers(*layers_, tile, source_.frame(), planes, layer);
 
     kernels::CrossBilateralRow row;
+    row.layers = scratch.layers.reserve(out.layers(), 1, scales_, kernels::cross_bilateral_layer_scratch(out.layers()));
     row.count = tile.width();
     row.taps = taps_.offsets.data();
     row.tap_count = static_cast<int>(taps_.offsets.size());
@@ -61,6 +65,8 @@ class CrossBilateral final : public PreparedFilter {
           row.divergence[s][c] = out.divergence(s, c, tile.y0 + y) + tile.x0;
         }
       }
+      scratch.layers.set_values(planes, layer, out.layers(), y);
+      scratch.layers.set_results(out, scales_, tile.x0, tile.y0 + y);
       kernels::cross_bilateral_row(row);
     }
   }
@@ -95,6 +101,7 @@ class CrossBilateral final : public PreparedFilter {
 
   const Source& source_;
   const GuideRows& guides_;
+  const LayerSource* layers_;
   Divergence divergence_;
   bool has_covariance_;
   exec::TileLayout layout_;

@@ -31,6 +31,7 @@ class CrossNlm final : public PreparedFilter {
   CrossNlm(const CrossNlmParams& params, const FilterContext& context)
       : source_(context.source),
         guides_(context.guides),
+        layers_(context.layers),
         divergence_(context.divergence),
         layout_(context.tile_width, context.tile_height, tile_halo(params)),
         taps_(nlm_taps({params.window_radius, params.patch_radius}, layout_)) {
@@ -47,11 +48,15 @@ class CrossNlm final : public PreparedFilter {
   void run(int /*pass*/, const Rect& tile, FilterScratch& scratch, const CandidateRows& out) const override {
     exec::TilePlanes& planes = scratch.tile;
     const int colour = guides_.planes();
-    planes.reserve(layout_, colour + 3 + kBlurredPlanes);
+    const int layer = colour + 3 + kBlurredPlanes;
+    planes.reserve(layout_, layer + out.layers());
     guides_.load(tile, planes);
     load_colour(tile, planes, colour);
+    if (out.layers() > 0) load_layers(*layers_, tile, source_.frame(), planes, layer);
 
     kernels::CrossNlmRows rows = rows_;
+    rows.layers = scratch.layers.reserve(out.layers(), 1, kernels::kNlmBlockRows * rows.candidates,
+                                         kernels::nlm_layer_scratch(rows.candidates, out.layers()));
     rows.count = tile.width();
     const OwnCovariances own(source_, divergence_, layout_, rows.has_guide_covariance ? guides_.channels() : 0);
     float* own_memory = scratch.lines.reserve(own.floats() + kernels::cross_nlm_scratch(rows.candidates));
@@ -70,6 +75,7 @@ class CrossNlm final : public PreparedFilter {
         guides_.covariance_rows(divergence_, kSlope, image_y, target.x0, target.width(), to);
       });
       set_outputs(target, out, rows.candidates, rows);
+      set_layers(target, out, rows.candidates, planes, layer, y, scratch.layers);
       kernels::cross_nlm_rows(rows);
     }
   }
@@ -86,6 +92,7 @@ class CrossNlm final : public PreparedFilter {
 
   const Source& source_;
   const GuideRows& guides_;
+  const LayerSource* layers_;
   Divergence divergence_;
   exec::TileLayout layout_;
   std::vector<std::ptrdiff_t> taps_;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The contract of a filter: it returns, for every candidate of its bank, the filtered colour F and the divergence term
-// that the risk estimate needs of dF, and it declares its halo. Tiles, threads, memory, selection and tests then work
-// alike.
+// that the risk estimate needs of dF, and it declares its halo. Where layers are wanted, it averages them with the
+// weights that it has for the colour. Tiles, threads, memory, selection and tests then work alike.
 #pragma once
 
 #include <memory>
@@ -11,16 +11,33 @@
 #include "exec/buffers.hpp"
 #include "exec/rect.hpp"
 #include "filters/guide_rows.hpp"
+#include "filters/layer_pointers.hpp"
+#include "prefilter/layer_source.hpp"
 #include "prefilter/source.hpp"
 #include "stein/filters.hpp"
 
 namespace stein {
 
-/// Where candidates go: planes of a row window, in the order F.R, F.G, F.B, D.R, D.G, D.B for each candidate.
+/// Where candidates go: planes of a row window, in the order F.R, F.G, F.B, D.R, D.G, D.B for each candidate; and in
+/// another one, if layers are wanted, the channels of all layers for each candidate.
 class CandidateRows {
  public:
   static constexpr int kPlanes = 6;
   explicit CandidateRows(const exec::RowRing& rows, int first_plane = 0) : rows_(rows), first_(first_plane) {}
+
+  /// The same with `channels` channels of layers.
+  [[nodiscard]] CandidateRows with_layers(const exec::RowRing& rows, int channels) const {
+    CandidateRows both = *this;
+    both.layer_rows_ = &rows;
+    both.layers_ = channels;
+    return both;
+  }
+  /// Channels of layers that are wanted.
+  [[nodiscard]] int layers() const noexcept { return layers_; }
+  /// A filtered channel of the layers.
+  [[nodiscard]] float* layer(int candidate, int channel, int y) const noexcept {
+    return layer_rows_->row((first_ / kPlanes + candidate) * layers_ + channel, y);
+  }
 
   /// The filtered colour.
   [[nodiscard]] float* result(int candidate, int channel, int y) const noexcept {
@@ -32,17 +49,24 @@ class CandidateRows {
   [[nodiscard]] float* divergence(int candidate, int channel, int y) const noexcept {
     return rows_.row(plane(candidate, channel) + 3, y);
   }
+  /// F, D and layers by one index, in the order above.
+  [[nodiscard]] float* row(int candidate, int index, int y) const noexcept {
+    return index < kPlanes ? rows_.row(plane(candidate, index), y) : layer(candidate, index - kPlanes, y);
+  }
 
  private:
   [[nodiscard]] int plane(int candidate, int channel) const noexcept { return first_ + candidate * kPlanes + channel; }
   const exec::RowRing& rows_;
   int first_;
+  const exec::RowRing* layer_rows_ = nullptr;
+  int layers_ = 0;
 };
 
 /// Scratch memory of one thread.
 struct FilterScratch {
   exec::TilePlanes tile;
   exec::FloatBuffer lines;
+  LayerPointers layers;
 };
 
 /// A filter bound to its parameters and to one frame. Const and stateless while it runs: tiles run in any order and
@@ -71,6 +95,7 @@ struct FilterContext {
   int tile_height = 0;
   int window_rows = 0;  ///< rows that a filter of several passes has to keep of each
   Divergence divergence = Divergence::kPlain;
+  const LayerSource* layers = nullptr;  ///< null: none will be wanted
 };
 
 /// One overload per filter, each in its own pair of files: the halo of each pass, the guides that the filter wants

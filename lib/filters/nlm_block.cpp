@@ -36,6 +36,15 @@ void set_outputs(const Rect& target, const CandidateRows& out, int candidates, k
   }
 }
 
+void set_layers(const Rect& target, const CandidateRows& out, int candidates, const exec::TilePlanes& planes,
+                int first_plane, int y, LayerPointers& layers) {
+  layers.set_values(planes, first_plane, out.layers(), y);
+  for (int row = 0; row < target.height(); ++row) {
+    const int first = row * candidates * out.layers();
+    layers.set_results(out, candidates, target.x0, target.y0 + row, static_cast<std::size_t>(first));
+  }
+}
+
 OwnCovariances::OwnCovariances(const Source& source, Divergence divergence, const exec::TileLayout& layout,
                                int channels)
     : source_(source),

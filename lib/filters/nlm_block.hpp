@@ -26,6 +26,10 @@ void set_range_sigmas(const std::vector<float>& sigmas, double channels, kernels
 /// Candidates of the kernel write to the target, at most kNlmBlockRows rows.
 void set_outputs(const Rect& target, const CandidateRows& out, int candidates, kernels::CrossNlmRows& rows);
 
+/// The same for layers, which lie in the tile's planes from first_plane on, `y` being the target's row in the tile.
+void set_layers(const Rect& target, const CandidateRows& out, int candidates, const exec::TilePlanes& planes,
+                int first_plane, int y, LayerPointers& layers);
+
 /// Covariances of the means of the pixels' own colour, and of their colour with further channels, in planes of
 /// kNlmBlockRows rows.
 class OwnCovariances {

@@ -2,6 +2,7 @@
 #include "filters/taps.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "kernels/guides.hpp"
@@ -9,31 +10,38 @@
 namespace stein {
 namespace {
 
-struct Tap {
+// Four taps of one distance: a pixel and its mirror images; those on the axes by turning.
+struct Batch {
   int first_scale = 0;
-  int dy = 0;
-  int dx = 0;
-  [[nodiscard]] double distance2() const { return static_cast<double>(dx) * dx + static_cast<double>(dy) * dy; }
+  int x = 0;
+  int y = 0;
+  [[nodiscard]] double distance2() const { return static_cast<double>(x) * x + static_cast<double>(y) * y; }
+  [[nodiscard]] std::array<std::array<int, 2>, kernels::kTapBatch> taps() const {
+    if (y == 0) return {{{0, -x}, {-x, 0}, {x, 0}, {0, x}}};
+    return {{{-x, -y}, {x, -y}, {-x, y}, {x, y}}};
+  }
 };
 
-bool reaches(float sigma, const Tap& tap) {
+bool reaches(float sigma, const Batch& batch) {
   const double radius = static_cast<double>(ScaleTaps::kRadiusInSigmas) * sigma;
-  return tap.distance2() <= radius * radius;
+  return batch.distance2() <= radius * radius;
 }
 
-std::vector<Tap> taps_of(const std::vector<float>& sigmas) {
-  std::vector<Tap> taps;
+// Row by row for each scale, so that what a batch reads is near to what the last one did.
+std::vector<Batch> batches_of(const std::vector<float>& sigmas) {
+  std::vector<Batch> batches;
   const int radius = radius_of(sigmas);
-  for (int dy = -radius; dy <= radius; ++dy) {
-    for (int dx = -radius; dx <= radius; ++dx) {
-      Tap tap{0, dy, dx};
-      const auto first = std::find_if(sigmas.begin(), sigmas.end(), [&](float sigma) { return reaches(sigma, tap); });
-      tap.first_scale = static_cast<int>(first - sigmas.begin());
-      if (first != sigmas.end()) taps.push_back(tap);
+  for (int y = 0; y <= radius; ++y) {
+    for (int x = y == 0 ? 0 : 1; x <= radius; ++x) {
+      Batch batch{0, x, y};
+      const auto first = std::find_if(sigmas.begin(), sigmas.end(), [&](float sigma) { return reaches(sigma, batch); });
+      batch.first_scale = static_cast<int>(first - sigmas.begin());
+      if (first != sigmas.end()) batches.push_back(batch);
     }
   }
-  std::stable_sort(taps.begin(), taps.end(), [](const Tap& a, const Tap& b) { return a.first_scale < b.first_scale; });
-  return taps;
+  std::stable_sort(batches.begin(), batches.end(),
+                   [](const Batch& a, const Batch& b) { return a.first_scale < b.first_scale; });
+  return batches;
 }
 
 }  // namespace
@@ -43,24 +51,12 @@ int radius_of(const std::vector<float>& sigmas) {
 }
 
 ScaleTaps::ScaleTaps(const std::vector<float>& sigmas, const exec::TileLayout& layout) {
-  const std::vector<Tap> taps = taps_of(sigmas);
-  const std::size_t scales = sigmas.size();
-  for (std::size_t i = 0; i < taps.size();) {
-    const std::size_t batch = first_scale.size();
-    first_scale.push_back(taps[i].first_scale);
-    spatial.resize(spatial.size() + scales * kernels::kTapBatch, 0.0F);
-    for (int t = 0; t < kernels::kTapBatch; ++t) {
-      if (i == taps.size() || taps[i].first_scale != first_scale.back()) {
-        offsets.push_back(0);  // padding: the pixel itself with factor 0
-        continue;
-      }
-      offsets.push_back(layout.offset(taps[i].dx, taps[i].dy));
-      for (std::size_t s = static_cast<std::size_t>(taps[i].first_scale); s < scales; ++s) {
-        const double sigma = sigmas[s];
-        spatial[(batch * scales + s) * kernels::kTapBatch + static_cast<std::size_t>(t)] =
-            static_cast<float>(std::exp(-taps[i].distance2() / (2.0 * sigma * sigma)));  // SBF Eq. 4, spatial term
-      }
-      ++i;
+  for (const Batch& batch : batches_of(sigmas)) {
+    for (const auto& [dx, dy] : batch.taps()) offsets.push_back(layout.offset(dx, dy));
+    const double share = batch.distance2() == 0 ? 1.0 / kernels::kTapBatch : 1.0;
+    first_scale.push_back(batch.first_scale);
+    for (const double sigma : sigmas) {  // SBF Eq. 4, spatial term
+      spatial.push_back(static_cast<float>(share * std::exp(-batch.distance2() / (2.0 * sigma * sigma))));
     }
   }
 }

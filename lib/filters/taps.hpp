@@ -10,9 +10,10 @@
 
 namespace stein {
 
-/// Spatial Gaussians of several scales over one list of taps. A scale reaches kRadiusInSigmas standard deviations; taps
-/// are sorted by the number of scales that reach them, padded to whole batches, so that each batch has one set of
-/// active scales.
+/// Spatial Gaussians of several scales over one list of taps. A scale reaches kRadiusInSigmas standard deviations. All
+/// taps of a batch are equally far away, so that they have one set of active scales and one factor for each; batches
+/// are sorted by the number of scales that reach them. The pixel itself makes a batch of four, with a quarter of its
+/// factor.
 struct ScaleTaps {
   static constexpr float kRadiusInSigmas = 2.0F;
 
@@ -21,7 +22,7 @@ struct ScaleTaps {
 
   std::vector<std::ptrdiff_t> offsets;
   std::vector<int> first_scale;  ///< per batch
-  std::vector<float> spatial;    ///< [batch][scale][tap]: exp(-|p|^2 / (2 sigma^2)), 0 where the scale does not reach
+  std::vector<float> spatial;    ///< [batch][scale]: exp(-|p|^2 / (2 sigma^2))
 };
 
 /// Pixels that the largest of the scales reaches.

@@ -3,6 +3,8 @@
 // SURE-À-Trous: Kim, Moon, Yoon, "SURE-based À-Trous Wavelet Filter for Interactive Monte Carlo Rendering", 2016.
 #include "kernels/atrous.hpp"
 
+#include <algorithm>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/atrous.cpp"
 #include <hwy/foreach_target.h>
@@ -18,10 +20,9 @@ constexpr float kTiny = 1e-30F;  // noise and energies are at least this where t
 
 // Sums over the taps of a few pixels. They live in L1 while one row of taps after the other is added: with all rows at
 // once there would be more streams than the first level of the TLB has entries.
-constexpr int kPixels = 128;
 struct AtrousSums {
   enum Index { kWeight, kColour, kNoise = kColour + 3, kNoise2, kEnergy, kCount };
-  alignas(64) float sum[kCount][kPixels];  // w, w c, w n, w^2 n, w |c_p - c_q|^2
+  alignas(64) float sum[kCount][kAtrousPixels];  // w, w c, w n, w^2 n, w |c_p - c_q|^2
 };
 
 struct AtrousCentre {
@@ -40,7 +41,25 @@ HWY_INLINE FloatVec distance2(const FloatVec (&a)[3], const FloatVec (&b)[3]) {
   return hn::MulAdd(e0, e0, hn::MulAdd(e1, e1, hn::Mul(e2, e2)));
 }
 
-template <bool kUsual>
+// The layers' sums of w c: [channel][kAtrousPixels].
+HWY_INLINE float* layer_sum(const AtrousRow& row, int channel, std::ptrdiff_t i) {
+  return row.layers.scratch + channel * std::ptrdiff_t{kAtrousPixels} + i;
+}
+
+HWY_INLINE void add_layers(FloatTag d, const AtrousRow& row, int r, const std::ptrdiff_t (&at)[kAtrousTaps],
+                           const FloatVec (&w)[kAtrousTaps], std::ptrdiff_t i) {
+  const int count = row.layers.count;
+  const float* const* HWY_RESTRICT values = row.layers.value + r * count;
+  float* HWY_RESTRICT to = layer_sum(row, 0, i);
+  for (int k = 0; k < count; ++k, to += kAtrousPixels) {
+    const float* HWY_RESTRICT value = values[k];
+    FloatVec sum = hn::Load(d, to);
+    for (int t = 0; t < kAtrousTaps; ++t) sum = hn::MulAdd(w[t], hn::LoadU(d, value + at[t]), sum);
+    hn::Store(sum, d, to);
+  }
+}
+
+template <bool kUsual, bool kLayers>
 HWY_INLINE void add_taps(FloatTag d, const AtrousRow& row, std::ptrdiff_t x, int r, AtrousSums& sums,
                          std::ptrdiff_t i) {
   const AtrousCentre centre = load_centre(d, row, x);
@@ -51,6 +70,7 @@ HWY_INLINE void add_taps(FloatTag d, const AtrousRow& row, std::ptrdiff_t x, int
   guide_distances<kUsual>(d, row.centre, row.around[r], x, at, distance);
   FloatVec v[AtrousSums::kCount];
   for (int k = 0; k < AtrousSums::kCount; ++k) v[k] = hn::Load(d, sums.sum[k] + i);
+  [[maybe_unused]] FloatVec weights[kAtrousTaps];
   for (int t = 0; t < kAtrousTaps; ++t) {
     const FloatVec colour[3] = {hn::LoadU(d, row.colour[r][0] + at[t]), hn::LoadU(d, row.colour[r][1] + at[t]),
                                 hn::LoadU(d, row.colour[r][2] + at[t])};
@@ -60,6 +80,7 @@ HWY_INLINE void add_taps(FloatTag d, const AtrousRow& row, std::ptrdiff_t x, int
     const FloatVec value = hn::Mul(energy, hn::Mul(value_factor, reciprocal(d, pair)));
     const FloatVec spline = hn::Mul(hn::LoadU(d, row.around[r].mask + at[t]), hn::Set(d, row.spline[r] * kSpline[t]));
     const FloatVec w = hn::Mul(exp2_negative(d, hn::Add(distance[t], value)), spline);
+    if constexpr (kLayers) weights[t] = w;
     const FloatVec w_noise = hn::Mul(w, noise);
     v[AtrousSums::kWeight] = hn::Add(v[AtrousSums::kWeight], w);
     for (int c = 0; c < 3; ++c) v[AtrousSums::kColour + c] = hn::MulAdd(w, colour[c], v[AtrousSums::kColour + c]);
@@ -68,6 +89,7 @@ HWY_INLINE void add_taps(FloatTag d, const AtrousRow& row, std::ptrdiff_t x, int
     v[AtrousSums::kEnergy] = hn::MulAdd(w, energy, v[AtrousSums::kEnergy]);
   }
   for (int k = 0; k < AtrousSums::kCount; ++k) hn::Store(v[k], d, sums.sum[k] + i);
+  if constexpr (kLayers) add_layers(d, row, r, at, weights, i);
 }
 
 // The weight of the detail whose energy and noise, means over the taps, are given. SURE of w times the detail is, up to
@@ -85,6 +107,25 @@ HWY_INLINE FloatVec detail_weight(FloatTag d, const AtrousRow& row, std::ptrdiff
   return hn::Mul(mask, w);
 }
 
+// As finish_pixels does for the colour.
+HWY_INLINE void finish_layers(FloatTag d, const AtrousRow& row, std::ptrdiff_t x, FloatVec total_weight,
+                              FloatVec detail_weight, std::ptrdiff_t i) {
+  const int count = row.layers.count;
+  const FloatVec one = hn::Set(d, 1.0F);
+  const auto has_weight = hn::Gt(total_weight, hn::Zero(d));
+  const FloatVec inverse = hn::IfThenElseZero(has_weight, hn::Div(one, hn::IfThenElse(has_weight, total_weight, one)));
+  for (int k = 0; k < count; ++k) {
+    const FloatVec centre = hn::LoadU(d, row.layers.value[kAtrousTaps * count + k] + x);
+    const FloatVec mean = hn::IfThenElse(has_weight, hn::Mul(hn::Load(d, layer_sum(row, k, i)), inverse), centre);
+    float* result = row.layers.result[k] + x;
+    FloatVec total = row.is_first ? hn::Zero(d) : hn::LoadU(d, result);
+    total = hn::MulAdd(detail_weight, hn::Sub(centre, mean), total);
+    hn::StoreU(row.is_last ? hn::Add(total, mean) : total, d, result);
+    if (!row.is_last) hn::StoreU(mean, d, row.layers.result[count + k] + x);
+  }
+}
+
+template <bool kLayers>
 HWY_INLINE void finish_pixels(FloatTag d, const AtrousRow& row, std::ptrdiff_t x, const AtrousSums& sums,
                               std::ptrdiff_t i) {
   const AtrousCentre centre = load_centre(d, row, x);
@@ -110,33 +151,35 @@ HWY_INLINE void finish_pixels(FloatTag d, const AtrousRow& row, std::ptrdiff_t x
     hn::StoreU(row.is_last ? hn::Add(total, mean[c]) : total, d, row.result[c] + x);
     if (!row.is_last) hn::StoreU(mean[c], d, row.next_colour[c] + x);
   }
+  if constexpr (kLayers) finish_layers(d, row, x, weight, w, i);
   if (row.is_last) return;
   const FloatVec noise = hn::MulAdd(spread, hn::Set(d, row.correlation), independent);
   hn::StoreU(hn::IfThenElse(has_weight, noise, centre.noise), d, row.next_noise + x);
 }
 
-template <bool kUsual>
+template <bool kUsual, bool kLayers>
 HWY_INLINE void atrous_pixels(const AtrousRow& row) {
   const FloatTag d;
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
   AtrousSums sums;
-  for (std::ptrdiff_t start = 0; start < row.count; start += kPixels) {
-    const std::ptrdiff_t count = HWY_MIN(row.count - start, std::ptrdiff_t{kPixels});
+  for (std::ptrdiff_t start = 0; start < row.count; start += kAtrousPixels) {
+    const std::ptrdiff_t count = HWY_MIN(row.count - start, std::ptrdiff_t{kAtrousPixels});
     for (auto& sum : sums.sum) {
       for (float& value : sum) value = 0.0F;
     }
+    if constexpr (kLayers) std::fill_n(row.layers.scratch, atrous_layer_scratch(row.layers.count), 0.0F);
     for (int r = 0; r < row.rows; ++r) {
-      for (std::ptrdiff_t i = 0; i < count; i += lanes) add_taps<kUsual>(d, row, start + i, r, sums, i);
+      for (std::ptrdiff_t i = 0; i < count; i += lanes) add_taps<kUsual, kLayers>(d, row, start + i, r, sums, i);
     }
-    for (std::ptrdiff_t i = 0; i < count; i += lanes) finish_pixels(d, row, start + i, sums, i);
+    for (std::ptrdiff_t i = 0; i < count; i += lanes) finish_pixels<kLayers>(d, row, start + i, sums, i);
   }
 }
 
 void AtrousRowTarget(const AtrousRow& row) {
-  if (is_usual(row.centre)) {
-    atrous_pixels<true>(row);
+  if (row.layers.count > 0) {
+    is_usual(row.centre) ? atrous_pixels<true, true>(row) : atrous_pixels<false, true>(row);
   } else {
-    atrous_pixels<false>(row);
+    is_usual(row.centre) ? atrous_pixels<true, false>(row) : atrous_pixels<false, false>(row);
   }
 }
 

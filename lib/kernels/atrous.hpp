@@ -5,7 +5,8 @@
 
 namespace stein::kernels {
 
-inline constexpr int kAtrousTaps = 5;  ///< in x, and at most as many rows
+inline constexpr int kAtrousTaps = 5;      ///< in x, and at most as many rows
+inline constexpr int kAtrousPixels = 128;  ///< that sums are held of at a time
 
 /// One row of one level of an edge-avoiding à-trous transform: c becomes the weighted mean c' of its 5x5 taps `step`
 /// pixels apart, and the detail c - c' is shrunk and added to the result.
@@ -43,7 +44,14 @@ struct AtrousRow {
   float* next_colour[3];  ///< out: c'; c where no tap has weight
   float* next_noise = nullptr;
   float* result[3];  ///< in and out
+  /// Values at [row * count + channel], and behind those of kAtrousTaps rows the centre's; results at [channel], in and
+  /// out, and behind them c'; with atrous_layer_scratch(count) floats.
+  LayerChannels layers;
 };
+
+[[nodiscard]] constexpr std::size_t atrous_layer_scratch(int channels) noexcept {
+  return std::size_t{kAtrousPixels} * static_cast<std::size_t>(channels);
+}
 
 void atrous_row(const AtrousRow& row);
 

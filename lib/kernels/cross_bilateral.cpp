@@ -25,44 +25,72 @@ struct Sums {
   alignas(64) float sum[kMaxScales][kSumCount<kJoint>][kMaxLanes];
 };
 
-HWY_INLINE FloatVec dot4(FloatVec sum, FloatVec c0, FloatVec c1, FloatVec c2, FloatVec c3, FloatVec v0, FloatVec v1,
-                         FloatVec v2, FloatVec v3) {
-  return hn::MulAdd(c0, v0, hn::MulAdd(c1, v1, hn::MulAdd(c2, v2, hn::MulAdd(c3, v3, sum))));
+HWY_INLINE FloatVec sum4(const FloatVec (&v)[kTapBatch]) { return hn::Add(hn::Add(v[0], v[1]), hn::Add(v[2], v[3])); }
+
+HWY_INLINE FloatVec dot4(const FloatVec (&w)[kTapBatch], const FloatVec (&v)[kTapBatch]) {
+  return hn::MulAdd(w[3], v[3], hn::MulAdd(w[2], v[2], hn::MulAdd(w[1], v[1], hn::Mul(w[0], v[0]))));
 }
 
-template <int kSums>
-HWY_INLINE void accumulate(FloatTag d, float (*HWY_RESTRICT sum)[kMaxLanes], const float* HWY_RESTRICT spatial,
-                           const FloatVec (&v)[kSums][kTapBatch]) {
-  const FloatVec c0 = hn::Set(d, spatial[0]), c1 = hn::Set(d, spatial[1]);
-  const FloatVec c2 = hn::Set(d, spatial[2]), c3 = hn::Set(d, spatial[3]);
-  for (int i = 0; i < kSums; ++i) {
-    hn::Store(dot4(hn::Load(d, sum[i]), c0, c1, c2, c3, v[i][0], v[i][1], v[i][2], v[i][3]), d, sum[i]);
+HWY_INLINE void load_taps(FloatTag d, const float* HWY_RESTRICT plane, std::ptrdiff_t x, const std::ptrdiff_t* taps,
+                          FloatVec (&v)[kTapBatch]) {
+  for (int t = 0; t < kTapBatch; ++t) v[t] = hn::LoadU(d, plane + x + taps[t]);
+}
+
+// The layers' sums of a block of pixels: [scale][channel][kMaxLanes].
+HWY_INLINE float* layer_sum(const CrossBilateralRow& row, int scale, int channel) {
+  return row.layers.scratch + (scale * row.layers.count + channel) * static_cast<std::ptrdiff_t>(kMaxLanes);
+}
+
+HWY_INLINE void add_layers(FloatTag d, const CrossBilateralRow& row, std::ptrdiff_t x, int batch,
+                           const FloatVec (&w)[kTapBatch]) {
+  const int first = row.first_scale[batch];
+  const int scales = row.scales - first;
+  const int count = row.layers.count;
+  const std::ptrdiff_t step = count * static_cast<std::ptrdiff_t>(kMaxLanes);
+  const std::ptrdiff_t* HWY_RESTRICT taps = row.taps + batch * kTapBatch;
+  const float* HWY_RESTRICT spatial = row.spatial + batch * row.scales + first;
+  const float* const* HWY_RESTRICT values = row.layers.value;
+  float* HWY_RESTRICT sums = layer_sum(row, first, 0);
+  for (int k = 0; k < count; ++k, sums += kMaxLanes) {
+    FloatVec v[kTapBatch];
+    load_taps(d, values[k], x, taps, v);
+    const FloatVec part = dot4(w, v);
+    for (int s = 0; s < scales; ++s)
+      hn::Store(hn::MulAdd(hn::Set(d, spatial[s]), part, hn::Load(d, sums + s * step)), d, sums + s * step);
   }
 }
 
+// Taps of a batch are summed first: a scale has one factor for all of them.
 template <bool kJoint, bool kUsual>
 HWY_INLINE void add_batch(FloatTag d, const CrossBilateralRow& row, std::ptrdiff_t x, int batch, Sums<kJoint>& sums) {
   const std::ptrdiff_t* taps = row.taps + batch * kTapBatch;
-  FloatVec v[kSumCount<kJoint>][kTapBatch];
+  FloatVec w[kTapBatch];
   FloatVec slope[3][kTapBatch];
   if constexpr (kJoint) {
-    guide_weights_and_slopes<kUsual>(d, row.guides, row.guides, row.covariance, x, taps, v[0], slope);
+    guide_weights_and_slopes<kUsual>(d, row.guides, row.guides, row.covariance, x, taps, w, slope);
   } else {
-    guide_weights<kUsual>(d, row.guides, row.guides, x, taps, v[0]);
+    guide_weights<kUsual>(d, row.guides, row.guides, x, taps, w);
   }
+  FloatVec part[kSumCount<kJoint>];
+  part[0] = sum4(w);
   for (int c = 0; c < 3; ++c) {
-    for (int t = 0; t < kTapBatch; ++t) {
-      v[1 + c][t] = hn::Mul(v[0][t], hn::LoadU(d, row.colour[c] + x + taps[t]));
-      if constexpr (kJoint) {
-        v[4 + c][t] = hn::Mul(v[0][t], slope[c][t]);
-        v[7 + c][t] = hn::Mul(v[1 + c][t], slope[c][t]);
-      }
+    FloatVec colour[kTapBatch];
+    load_taps(d, row.colour[c], x, taps, colour);
+    part[1 + c] = dot4(w, colour);
+    if constexpr (kJoint) {
+      FloatVec weighted[kTapBatch];
+      for (int t = 0; t < kTapBatch; ++t) weighted[t] = hn::Mul(w[t], slope[c][t]);
+      part[4 + c] = sum4(weighted);
+      part[7 + c] = dot4(weighted, colour);
     }
   }
-  const float* spatial = row.spatial + batch * row.scales * kTapBatch;
+  const float* HWY_RESTRICT spatial = row.spatial + batch * row.scales;
   for (int s = row.first_scale[batch]; s < row.scales; ++s) {
-    accumulate<kSumCount<kJoint>>(d, sums.sum[s], spatial + s * kTapBatch, v);
+    const FloatVec factor = hn::Set(d, spatial[s]);
+    for (int i = 0; i < kSumCount<kJoint>; ++i)
+      hn::Store(hn::MulAdd(factor, part[i], hn::Load(d, sums.sum[s][i])), d, sums.sum[s][i]);
   }
+  add_layers(d, row, x, batch, w);
 }
 
 template <bool kJoint>
@@ -83,6 +111,11 @@ HWY_INLINE void finish_block(FloatTag d, const CrossBilateralRow& row, std::ptrd
       hn::StoreU(hn::IfThenElse(has_weight, mean, hn::LoadU(d, row.colour[c] + x)), d, row.result[s][c] + x);
       hn::StoreU(hn::Mul(divergence, inverse), d, row.divergence[s][c] + x);
     }
+    for (int k = 0; k < row.layers.count; ++k) {
+      const FloatVec mean = hn::Mul(hn::Load(d, layer_sum(row, s, k)), inverse);
+      const FloatVec own = hn::LoadU(d, row.layers.value[k] + x);
+      hn::StoreU(hn::IfThenElse(has_weight, mean, own), d, row.layers.result[s * row.layers.count + k] + x);
+    }
   }
 }
 
@@ -91,6 +124,7 @@ HWY_INLINE void run_block(FloatTag d, const CrossBilateralRow& row, std::ptrdiff
   Sums<kJoint> sums;
   for (int s = 0; s < row.scales; ++s) {
     for (int i = 0; i < kSumCount<kJoint>; ++i) hn::Store(hn::Zero(d), d, sums.sum[s][i]);
+    for (int k = 0; k < row.layers.count; ++k) hn::Store(hn::Zero(d), d, layer_sum(row, s, k));
   }
   for (int batch = 0; batch < row.tap_count / kTapBatch; ++batch) add_batch<kJoint, kUsual>(d, row, x, batch, sums);
   finish_block<kJoint>(d, row, x, sums);

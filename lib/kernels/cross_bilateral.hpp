@@ -16,7 +16,7 @@ struct CrossBilateralRow {
 
   const std::ptrdiff_t* taps = nullptr;  ///< offsets of the neighbours, the pixel itself included
   int tap_count = 0;                     ///< a multiple of kTapBatch
-  /// Batch b of taps uses scales [first_scale[b], scales), with factors spatial[(b * scales + s) * kTapBatch + tap].
+  /// Batch b of taps uses scales [first_scale[b], scales), with factors spatial[b * scales + s].
   const int* first_scale = nullptr;
   const float* spatial = nullptr;
   int scales = 0;
@@ -29,7 +29,12 @@ struct CrossBilateralRow {
   float* result[kMaxScales][3];  ///< out: F, SBF Eq. 5; the pixel's own colour where no neighbour has weight
   /// out: sum over the pixel's own inputs x of dF_c/dx Cov(x, x_c): Joint SURE Eq. 2, of which SBF Eq. 7 is a part
   float* divergence[kMaxScales][3];
+  LayerChannels layers;  ///< with cross_bilateral_layer_scratch(layers.count) floats
 };
+
+[[nodiscard]] constexpr std::size_t cross_bilateral_layer_scratch(int channels) noexcept {
+  return std::size_t{kMaxScales} * kMaxLanes * static_cast<std::size_t>(channels);
+}
 
 void cross_bilateral_row(const CrossBilateralRow& row);
 

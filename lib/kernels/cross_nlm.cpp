@@ -11,6 +11,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "kernels/layer_sums-inl.hpp"
 #include "kernels/patch_block-inl.hpp"
 #include "kernels/patch_distance-inl.hpp"
 #include "kernels/weights-inl.hpp"
@@ -30,10 +31,12 @@ struct BatchSite {
   const std::ptrdiff_t* taps = nullptr;
   TapDistances distances;              // of the batch's first tap; kNlmBlockPixels apart from tap to tap
   float* HWY_RESTRICT sums = nullptr;  // [candidate][kNlmSums][lanes]
+  LayerSums layers;
 };
 
 template <int kTaps>
 struct Batch {
+  HWY_INLINE Batch() {}  // NOLINT(modernize-use-equals-default): see Distances
   FloatVec guide_distance[kTaps];
   FloatVec guide_slope[3][kTaps];
   FloatVec patch_distance[kTaps];
@@ -49,15 +52,15 @@ HWY_INLINE void add_to(FloatTag d, float* HWY_RESTRICT sum, FloatVec value) {
 template <int kTaps>
 HWY_INLINE void add_products(FloatTag d, float* HWY_RESTRICT sum, const FloatVec (&a)[kTaps],
                              const FloatVec (&b)[kTaps]) {
-  FloatVec total = hn::Load(d, sum);
-  for (int t = 0; t < kTaps; ++t) total = hn::MulAdd(a[t], b[t], total);
-  hn::Store(total, d, sum);
+  FloatVec total = hn::Mul(a[0], b[0]);  // of the batch first: sums of hundreds of taps round less
+  for (int t = 1; t < kTaps; ++t) total = hn::MulAdd(a[t], b[t], total);
+  add_to(d, sum, total);
 }
 
 // Adds one candidate's weights; false if all of them are 0, and hence all of smaller sigma_r.
 template <Slopes kSlopes, int kTaps>
 HWY_INLINE bool add_candidate(FloatTag d, const CrossNlmRows& rows, int candidate, const Batch<kTaps>& batch,
-                              float* HWY_RESTRICT sums) {
+                              float* HWY_RESTRICT sums, const LayerSums& layers) {
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
   const FloatVec exponent = hn::Set(d, rows.exponent[candidate]);
   FloatVec w[kTaps];
@@ -84,6 +87,7 @@ HWY_INLINE bool add_candidate(FloatTag d, const CrossNlmRows& rows, int candidat
       add_products(d, sums + (7 + c) * lanes, slope, batch.difference[c]);
     }
   }
+  if (rows.layers.count > 0) layers.add(d, candidate, w);
   return true;
 }
 
@@ -106,9 +110,10 @@ HWY_INLINE void add_batch(FloatTag d, const CrossNlmRows& rows, const BatchSite&
     }
   }
   if constexpr (kSlopes != Slopes::kNone) contracted_slopes(d, rows, site.x, site.distances.slope, batch.patch_slope);
+  if (rows.layers.count > 0) site.layers.load<false>(d, site.x, at);
   const std::ptrdiff_t sums_step = kNlmSums * static_cast<std::ptrdiff_t>(hn::Lanes(d));
   for (int s = rows.candidates - 1; s >= 0; --s) {
-    if (!add_candidate<kSlopes>(d, rows, s, batch, site.sums + s * sums_step)) break;
+    if (!add_candidate<kSlopes>(d, rows, s, batch, site.sums + s * sums_step, site.layers)) break;
   }
 }
 
@@ -141,6 +146,22 @@ void add_sums(const CrossNlmRows& rows, Slopes slopes, const BatchSite& site, in
     add_group_of_taps<Slopes::kColour, kUsual>(rows, site, tap_count);
   } else {
     add_group_of_taps<Slopes::kColourAndGuides, kUsual>(rows, site, tap_count);
+  }
+}
+
+HWY_INLINE void finish_layers(FloatTag d, const CrossNlmRows& rows, int y, std::ptrdiff_t x,
+                              const float* HWY_RESTRICT sums, const LayerSums& layers) {
+  const FloatVec one = hn::Set(d, 1.0F);
+  for (int s = 0; s < rows.candidates; ++s, sums += kNlmSums * static_cast<std::ptrdiff_t>(hn::Lanes(d))) {
+    const FloatVec weight = hn::Load(d, sums);
+    const auto has_weight = hn::Gt(weight, hn::Zero(d));
+    const FloatVec inverse = hn::IfThenElseZero(has_weight, hn::Div(one, hn::IfThenElse(has_weight, weight, one)));
+    for (int k = 0; k < rows.layers.count; ++k) {
+      const FloatVec own = hn::LoadU(d, rows.layers.value[k] + x + y * rows.pitch);
+      const FloatVec mean = hn::Mul(hn::Load(d, layers.sum(s, k)), inverse);
+      float* result = rows.layers.result[(y * rows.candidates + s) * rows.layers.count + k];
+      hn::StoreU(hn::IfThenElse(has_weight, mean, own), d, result + x);
+    }
   }
 }
 
@@ -179,6 +200,14 @@ HWY_INLINE void run_block(const CrossNlmRows& rows, std::ptrdiff_t x, int width)
   const std::ptrdiff_t sums_step = static_cast<std::ptrdiff_t>(rows.candidates) * kNlmSums * lanes;
   std::fill_n(sums, static_cast<std::size_t>(sums_step * vectors * rows.rows), 0.0F);
 
+  float* layer_batch = rows.layers.scratch;
+  float* layer_sums = layer_batch + std::ptrdiff_t{kTapBatch} * kMaxLanes * rows.layers.count;
+  const std::ptrdiff_t layers_step = std::ptrdiff_t{kMaxLanes} * rows.candidates * rows.layers.count;
+  std::fill_n(layer_sums, static_cast<std::size_t>(layers_step * vectors * rows.rows), 0.0F);
+  const auto layers_at = [&](std::ptrdiff_t vector) {
+    return LayerSums{&rows.layers, layer_batch, layer_sums + vector * layers_step};
+  };
+
   const int padded = (rows.tap_count + kTapBatch - 1) / kTapBatch * kTapBatch;
   for (int first = 0; first < padded; first += kNlmTapGroup) {
     const int count = std::min(kNlmTapGroup, padded - first);
@@ -192,13 +221,17 @@ HWY_INLINE void run_block(const CrossNlmRows& rows, std::ptrdiff_t x, int width)
         site.distances = {distances.distance + pixel,
                           {distances.slope[0] + pixel, distances.slope[1] + pixel, distances.slope[2] + pixel}};
         site.sums = sums + (y * vectors + v) * sums_step;
+        site.layers = layers_at(y * vectors + v);
         add_sums<kUsual>(rows, slopes_at(d, rows, site.x), site, count);
       }
     }
   }
   for (int y = 0; y < rows.rows; ++y) {
-    for (std::ptrdiff_t v = 0; v < vectors; ++v)
-      finish(d, rows, y, x + v * lanes, sums + (y * vectors + v) * sums_step);
+    for (std::ptrdiff_t v = 0; v < vectors; ++v) {
+      const std::ptrdiff_t index = y * vectors + v;
+      finish(d, rows, y, x + v * lanes, sums + index * sums_step);
+      if (rows.layers.count > 0) finish_layers(d, rows, y, x + v * lanes, sums + index * sums_step, layers_at(index));
+    }
   }
 }
 

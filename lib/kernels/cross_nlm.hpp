@@ -49,6 +49,8 @@ struct CrossNlmRows {
 
   float* result[kNlmBlockRows][kMaxRangeSigmas][3];      ///< out: F; the pixel's own colour where nothing has weight
   float* divergence[kNlmBlockRows][kMaxRangeSigmas][3];  ///< out: as CrossBilateralRow::divergence
+  /// Results at [(y * candidates + candidate) * count + channel]; with nlm_layer_scratch(candidates, count) floats.
+  LayerChannels layers;
 };
 
 /// Sums of a candidate: weights w, w x_c for each colour channel, and with the slopes s_c also w s_c and w s_c e_c,
@@ -63,6 +65,13 @@ inline constexpr std::size_t kNlmPatchFloats = kNlmPatchWidth * std::size_t{kNlm
 [[nodiscard]] constexpr std::size_t cross_nlm_scratch(int candidates) noexcept {
   return kNlmBlockPixels * (std::size_t{4} * kNlmTapGroup + kNlmSums * static_cast<std::size_t>(candidates)) +
          10 * kNlmPatchFloats;
+}
+
+/// Sums of a block, at its shortest vectors of pixels, and one batch of neighbours.
+[[nodiscard]] constexpr std::size_t nlm_layer_scratch(int candidates, int channels) noexcept {
+  constexpr std::size_t kLeastLanes = 4;
+  return std::size_t{kMaxLanes} * static_cast<std::size_t>(channels) *
+         (kNlmBlockPixels / kLeastLanes * static_cast<std::size_t>(candidates) + kTapBatch);
 }
 
 void cross_nlm_rows(const CrossNlmRows& rows);

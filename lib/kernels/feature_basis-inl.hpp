@@ -19,6 +19,7 @@ namespace stein::kernels::HWY_NAMESPACE {
 
 // A symmetric matrix per lane, and its eigenvectors as columns.
 struct EigenSystem {
+  HWY_INLINE EigenSystem() {}  // NOLINT(modernize-use-equals-default): see Distances
   FloatVec matrix[kMaxRegressionFeatures][kMaxRegressionFeatures];
   FloatVec vectors[kMaxRegressionFeatures][kMaxRegressionFeatures];
 };
@@ -70,6 +71,7 @@ HWY_INLINE void decompose(FloatTag d, EigenSystem& system, int n) {
 
 // Sums over a window, of features less the pixel's own.
 struct WindowSums {
+  HWY_INLINE WindowSums() {}  // NOLINT(modernize-use-equals-default): see Distances
   FloatVec count;
   FloatVec first[kMaxRegressionFeatures];
   FloatVec noise[kMaxRegressionFeatures];

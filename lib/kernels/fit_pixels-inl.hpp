@@ -13,6 +13,7 @@
 
 #include <cmath>
 
+#include "kernels/layer_sums-inl.hpp"
 #include "kernels/local_polynomial.hpp"
 #include "kernels/normal_equations-inl.hpp"
 #include "kernels/patch_distance-inl.hpp"
@@ -28,6 +29,7 @@ struct FitPixels {
   int dimensions = 0;                         // of position and features
   float* HWY_RESTRICT sums = nullptr;         // [range sigma] normal equations
   float* HWY_RESTRICT fits = nullptr;         // [range sigma] see fit_floats
+  LayerSums layers;                           // of the equivalent kernel and the differences to the pixel's own
   [[nodiscard]] int columns(int order) const { return 1 + order * dimensions; }
 };
 

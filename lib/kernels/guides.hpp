@@ -26,6 +26,14 @@ struct Guides {
   const float* mask = nullptr;  ///< 1: a source; 0: invalid, or outside of the image
 };
 
+/// Channels of layers, which are averaged with the weights of the colour.
+struct LayerChannels {
+  int count = 0;
+  const float* const* value = nullptr;  ///< of each channel, as the colour's pointers
+  float* const* result = nullptr;       ///< out: [candidate * count + channel], as the colour's results
+  float* scratch = nullptr;             ///< as many floats as the kernel says, aligned to 64 bytes
+};
+
 /// Whether the groups are those that have a faster path: 3, 3 and 1 channels (normal, albedo, depth).
 [[nodiscard]] constexpr bool is_usual(const Guides& guides) noexcept {
   return guides.groups == 3 && guides.group_end[0] == 3 && guides.group_end[1] == 6 && guides.group_end[2] == 7;

@@ -72,13 +72,24 @@ HWY_NOINLINE void solve_all(const LocalPolynomialRows& rows, const FitPixels& pi
   }
 }
 
+// The equivalent kernel l_i, AOS Eq. 4.
+HWY_INLINE void kernel_of(FloatTag d, const TapBatch& batch, const FloatVec (&w)[kTapBatch], int columns,
+                          const float* HWY_RESTRICT fit, FloatVec (&l)[kTapBatch]) {
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  for (int t = 0; t < kTapBatch; ++t) l[t] = hn::Load(d, fit);
+  for (int a = 1; a < columns; ++a) {
+    const FloatVec g = hn::Load(d, fit + a * lanes);
+    for (int t = 0; t < kTapBatch; ++t) l[t] = hn::MulAdd(g, batch.column[a][t], l[t]);
+  }
+  for (int t = 0; t < kTapBatch; ++t) l[t] = hn::Mul(l[t], w[t]);
+}
+
 // Adds to what moves F with the weights: sum_i l_i (y_i - x_i^T beta) slope_i, or for Taylor to its variance, AOS
-// Eq. 11.
+// Eq. 11. Leaves the equivalent kernel in l.
 HWY_INLINE void add_moments(FloatTag d, const TapBatch& batch, const FloatVec (&w)[kTapBatch],
                             const FloatVec (&factor)[3][kTapBatch], bool is_taylor, int columns,
-                            const float* HWY_RESTRICT fit, float* HWY_RESTRICT moments) {
+                            const float* HWY_RESTRICT fit, float* HWY_RESTRICT moments, FloatVec (&l)[kTapBatch]) {
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
-  FloatVec l[kTapBatch];
   FloatVec rest[3][kTapBatch];
   for (int t = 0; t < kTapBatch; ++t) {
     l[t] = hn::Load(d, fit);
@@ -103,8 +114,29 @@ HWY_INLINE void add_moments(FloatTag d, const TapBatch& batch, const FloatVec (&
   }
 }
 
-HWY_NOINLINE void add_group_to_moments(const LocalPolynomialRows& rows, const FitPixels& pixels,
-                                       const TapGroup& group) {
+// What moves the fits with the pixel's own noise, or for Taylor the variances of the neighbours.
+HWY_INLINE void load_factors(FloatTag d, const LocalPolynomialRows& rows, const FitPixels& pixels, int tap,
+                             const TapDistances& from, FloatVec (&factor)[3][kTapBatch]) {
+  if (!rows.is_taylor) {
+    contracted_slopes(d, rows.weights, pixels.x, {from.slope[0], from.slope[1], from.slope[2]}, factor);
+    return;
+  }
+  for (int c = 0; c < 3; ++c) {
+    for (int k = 0; k < kTapBatch; ++k) {
+      factor[c][k] = hn::LoadU(d, rows.variance[c] + pixels.x + rows.weights.taps[tap + k]);
+    }
+  }
+}
+
+HWY_INLINE void load_layers(FloatTag d, const LocalPolynomialRows& rows, const FitPixels& pixels, int tap) {
+  std::ptrdiff_t at[kTapBatch];
+  for (int t = 0; t < kTapBatch; ++t) at[t] = pixels.x + rows.weights.taps[tap + t];
+  pixels.layers.load<true>(d, pixels.x, at);
+}
+
+// The second look at the window, with the fits known: moments, if they are wanted, and layers.
+HWY_NOINLINE void look_again(const LocalPolynomialRows& rows, const FitPixels& pixels, const TapGroup& group,
+                             bool has_moments) {
   const FloatTag d;
   const int order = highest_order(rows);
   TapBatch batch;
@@ -112,61 +144,101 @@ HWY_NOINLINE void add_group_to_moments(const LocalPolynomialRows& rows, const Fi
   for (int t = 0; t < group.count; t += kTapBatch) {
     const std::ptrdiff_t at = t * static_cast<std::ptrdiff_t>(kNlmBlockPixels);
     const int tap = group.first + t;
+    const TapDistances& all = group.distances;
     FloatVec w[kTapBatch];
     int sigma = rows.weights.candidates - 1;
-    if (!weights_of(d, rows, sigma, tap, group.distances.distance + at, w)) continue;
+    if (!weights_of(d, rows, sigma, tap, all.distance + at, w)) continue;
     fill_columns(d, rows, pixels, tap, order, batch);
-    if (rows.is_taylor) {
-      for (int c = 0; c < 3; ++c) {
-        for (int k = 0; k < kTapBatch; ++k) {
-          factor[c][k] = hn::LoadU(d, rows.variance[c] + pixels.x + rows.weights.taps[tap + k]);
-        }
-      }
-    } else {
-      const TapDistances& from = group.distances;
-      contracted_slopes(d, rows.weights, pixels.x, {from.slope[0] + at, from.slope[1] + at, from.slope[2] + at},
-                        factor);
+    if (has_moments) {
+      load_factors(d, rows, pixels, tap, {all.distance, {all.slope[0] + at, all.slope[1] + at, all.slope[2] + at}},
+                   factor);
     }
+    if (rows.layers.count > 0) load_layers(d, rows, pixels, tap);
     do {
       for (int o = 0; o < rows.orders; ++o) {
-        add_moments(d, batch, w, factor, rows.is_taylor, pixels.columns(rows.order[o]),
-                    fit_of(d, rows, pixels, sigma, o), moments_of(d, rows, pixels, sigma, o));
+        const int columns = pixels.columns(rows.order[o]);
+        const float* fit = fit_of(d, rows, pixels, sigma, o);
+        FloatVec l[kTapBatch];
+        if (has_moments) {
+          add_moments(d, batch, w, factor, rows.is_taylor, columns, fit, moments_of(d, rows, pixels, sigma, o), l);
+        } else {
+          kernel_of(d, batch, w, columns, fit, l);
+        }
+        if (rows.layers.count > 0) pixels.layers.add(d, sigma * rows.orders + o, l);
       }
-    } while (--sigma >= 0 && weights_of(d, rows, sigma, tap, group.distances.distance + at, w));
+    } while (--sigma >= 0 && weights_of(d, rows, sigma, tap, all.distance + at, w));
+  }
+}
+
+// D of one channel (Joint SURE Eq. 2), or its error AOS Eq. 16.
+HWY_INLINE FloatVec divergence_of(FloatTag d, const LocalPolynomialRows& rows, const FitPixels& pixels, int sigma,
+                                  int o, int c) {
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  const float* fit = fit_of(d, rows, pixels, sigma, o);
+  const float* moments = moments_of(d, rows, pixels, sigma, o);
+  if (rows.is_taylor) {
+    const FloatVec bias = hn::Load(d, moments + c * lanes);
+    return hn::MulAdd(bias, bias, hn::Load(d, moments + (3 + c) * lanes));
+  }
+  const FloatVec own = hn::LoadU(d, rows.weights.guides.mask + pixels.x);  // the pixel's own weight
+  const FloatVec kernel =
+      hn::Mul(hn::Mul(own, hn::Load(d, fit)), hn::LoadU(d, rows.weights.colour_covariance[c] + pixels.x));
+  const FloatVec divergence =
+      hn::NegMulAdd(hn::Set(d, rows.weights.slope[sigma]), hn::Load(d, moments + c * lanes), kernel);
+  if (!rows.has_feature_covariance || rows.order[o] == 0) return divergence;
+  return hn::Add(divergence, feature_term(d, rows, pixels, c, own, pixels.columns(rows.order[o]), fit));
+}
+
+// fitted / summed where these differ by rounding alone; 1 where they are so near to 0 that the ratio says nothing.
+HWY_INLINE FloatVec rounding_factor(FloatTag d, FloatVec fitted, FloatVec summed) {
+  const FloatVec one = hn::Set(d, 1.0F);
+  const FloatVec ratio = hn::Div(fitted, hn::IfThenElse(hn::Eq(summed, hn::Zero(d)), one, summed));
+  const auto is_near = hn::Le(hn::Abs(hn::Sub(ratio, one)), hn::Set(d, 1e-2F));
+  return hn::IfThenElse(is_near, ratio, one);
+}
+
+HWY_INLINE void finish_candidate(FloatTag d, const LocalPolynomialRows& rows, const FitPixels& pixels, int sigma, int o,
+                                 int y, std::ptrdiff_t x) {
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  const float* fit = fit_of(d, rows, pixels, sigma, o);
+  const int columns = pixels.columns(rows.order[o]);
+  const int candidate = sigma * rows.orders + o;
+  FloatVec colour[3];
+  FloatVec result[3];
+  FloatVec divergence[3];
+  auto is_finite = hn::Eq(hn::Zero(d), hn::Zero(d));
+  for (int c = 0; c < 3; ++c) {
+    colour[c] = hn::LoadU(d, rows.weights.colour[c] + pixels.x);
+    result[c] = hn::Add(colour[c], hn::Load(d, fit + (1 + c) * columns * lanes));
+    divergence[c] = divergence_of(d, rows, pixels, sigma, o, c);
+    is_finite = hn::And(is_finite, hn::And(hn::IsFinite(result[c]), hn::IsFinite(divergence[c])));
+  }
+  // Colours near the largest float can overflow: such pixels stay as they are.
+  for (int c = 0; c < 3; ++c) {
+    const FloatVec variance = hn::LoadU(d, rows.weights.colour_covariance[c] + pixels.x);
+    hn::StoreU(hn::IfThenElse(is_finite, result[c], colour[c]), d, rows.weights.result[y][candidate][c] + x);
+    hn::StoreU(hn::IfThenElse(is_finite, divergence[c], variance), d, rows.weights.divergence[y][candidate][c] + x);
+  }
+  if (rows.layers.count == 0) return;
+  const int layers = rows.layers.count - kLayerColours;
+  FloatVec factor[3];
+  for (int c = 0; c < 3; ++c) {
+    const FloatVec summed = hn::Add(colour[c], hn::Load(d, pixels.layers.sum(candidate, layers + c)));
+    factor[c] = rounding_factor(d, result[c], summed);
+  }
+  for (int k = 0; k < layers; ++k) {
+    const int c = rows.layer_colour[k];
+    const FloatVec own = hn::LoadU(d, rows.layers.value[k] + pixels.x);
+    const FloatVec sum = hn::Add(own, hn::Load(d, pixels.layers.sum(candidate, k)));
+    const FloatVec scaled = c < 0 ? sum : hn::Mul(sum, factor[c]);
+    const int target = (y * rows.weights.candidates * rows.orders + candidate) * layers + k;
+    hn::StoreU(hn::IfThenElse(is_finite, scaled, own), d, rows.layers.result[target] + x);
   }
 }
 
 HWY_INLINE void finish(FloatTag d, const LocalPolynomialRows& rows, const FitPixels& pixels, int y, std::ptrdiff_t x) {
-  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
-  const FloatVec own = hn::LoadU(d, rows.weights.guides.mask + pixels.x);  // the pixel's own weight
   for (int sigma = 0; sigma < rows.weights.candidates; ++sigma) {
-    for (int o = 0; o < rows.orders; ++o) {
-      const int columns = pixels.columns(rows.order[o]);
-      const float* fit = fit_of(d, rows, pixels, sigma, o);
-      const float* moments = moments_of(d, rows, pixels, sigma, o);
-      const int candidate = sigma * rows.orders + o;
-      for (int c = 0; c < 3; ++c) {
-        const FloatVec colour = hn::LoadU(d, rows.weights.colour[c] + pixels.x);
-        const FloatVec result = hn::Add(colour, hn::Load(d, fit + (1 + c) * columns * lanes));
-        FloatVec divergence;
-        if (rows.is_taylor) {
-          const FloatVec bias = hn::Load(d, moments + c * lanes);
-          divergence = hn::MulAdd(bias, bias, hn::Load(d, moments + (3 + c) * lanes));  // AOS Eq. 16
-        } else {
-          const FloatVec kernel =
-              hn::Mul(hn::Mul(own, hn::Load(d, fit)), hn::LoadU(d, rows.weights.colour_covariance[c] + pixels.x));
-          divergence = hn::NegMulAdd(hn::Set(d, rows.weights.slope[sigma]), hn::Load(d, moments + c * lanes), kernel);
-          if (rows.has_feature_covariance && rows.order[o] > 0) {
-            divergence = hn::Add(divergence, feature_term(d, rows, pixels, c, own, columns, fit));
-          }
-        }
-        // Colours near the largest float can overflow: such pixels stay as they are.
-        const auto is_finite = hn::And(hn::IsFinite(result), hn::IsFinite(divergence));
-        const FloatVec variance = hn::LoadU(d, rows.weights.colour_covariance[c] + pixels.x);
-        hn::StoreU(hn::IfThenElse(is_finite, result, colour), d, rows.weights.result[y][candidate][c] + x);
-        hn::StoreU(hn::IfThenElse(is_finite, divergence, variance), d, rows.weights.divergence[y][candidate][c] + x);
-      }
-    }
+    for (int o = 0; o < rows.orders; ++o) finish_candidate(d, rows, pixels, sigma, o, y, x);
   }
 }
 
@@ -219,6 +291,8 @@ HWY_INLINE int set_pixels(FloatTag d, const LocalPolynomialRows& rows, const Pat
                           FitPixels* pixels) {
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
   const int sigmas = rows.weights.candidates;
+  float* layer_sums = rows.layers.scratch + std::ptrdiff_t{kTapBatch} * kMaxLanes * rows.layers.count;
+  const std::ptrdiff_t layers_step = std::ptrdiff_t{kMaxLanes} * sigmas * rows.orders * rows.layers.count;
   int count = 0;
   for (int y = 0; y < rows.weights.rows; ++y) {
     for (int k = 0; k < block.width; k += static_cast<int>(lanes), ++count) {
@@ -229,7 +303,9 @@ HWY_INLINE int set_pixels(FloatTag d, const LocalPolynomialRows& rows, const Pat
       p.basis = basis;
       p.sums = scratch.take(static_cast<std::size_t>(sigmas * sums_step(d, rows)));
       p.fits = scratch.take(static_cast<std::size_t>(sigmas * fits_step(d, rows)));
+      p.layers = {&rows.layers, rows.layers.scratch, layer_sums + count * layers_step};
       std::fill_n(p.sums, sigmas * sums_step(d, rows), 0.0F);
+      std::fill_n(p.layers.sums, layers_step, 0.0F);
     }
   }
   return count;
@@ -248,10 +324,12 @@ HWY_INLINE void run_block(const LocalPolynomialRows& rows, std::ptrdiff_t x, int
                  [&](const FitPixels& p, const TapGroup& group) { add_group_to_equations(rows, p, group); });
   block.has_slopes = !rows.is_taylor;
   for (int i = 0; i < count; ++i) solve_all(rows, pixels[i], solver);
-  if (rows.is_taylor || rows.has_colour_weights) {
+  const bool can_have_moments = rows.is_taylor || rows.has_colour_weights;
+  if (can_have_moments || rows.layers.count > 0) {
     for_each_group(d, rows, block, distances, pixels, [&](const FitPixels& p, const TapGroup& group) {
-      const bool has_noise = any_covariance(d, rows.weights.colour_covariance, 6, p.x);
-      if (rows.is_taylor || has_noise) add_group_to_moments(rows, p, group);
+      const bool has_noise = rows.is_taylor || any_covariance(d, rows.weights.colour_covariance, 6, p.x);
+      const bool has_moments = can_have_moments && has_noise;
+      if (has_moments || rows.layers.count > 0) look_again(rows, p, group, has_moments);
     });
   }
   const FitPixels* p = pixels;

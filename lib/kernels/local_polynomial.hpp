@@ -43,7 +43,15 @@ struct LocalPolynomialRows {
   bool is_taylor = false;
 
   float* scratch = nullptr;  ///< local_polynomial_scratch() floats, aligned to 64 bytes
+
+  /// As CrossNlmRows::layers, in place of that of `weights`. If there are any, kLayerColours more channels are given
+  /// values: those of the colour. What the equivalent kernel makes of them differs from the fits by rounding, and by
+  /// that factor light is scaled, so that parts of the colour sum up to the result.
+  LayerChannels layers;
+  const int* layer_colour = nullptr;  ///< of each channel: the colour channel that it is light of, or -1
 };
+
+inline constexpr int kLayerColours = 3;
 
 /// Columns of the largest fit that is made: two orders more with Taylor's bias.
 [[nodiscard]] constexpr int most_columns(int highest_order, bool is_taylor) noexcept {

@@ -24,6 +24,7 @@ inline constexpr float kSingular = 1e-5F;
 
 // What a batch of neighbours brings.
 struct TapBatch {
+  HWY_INLINE TapBatch() {}                  // NOLINT(modernize-use-equals-default): see Distances
   FloatVec column[kMaxColumns][kTapBatch];  // x_i, by powers
   FloatVec colour[3][kTapBatch];            // y_i - y_c
 };
@@ -75,6 +76,7 @@ HWY_INLINE void add_normal_equations(FloatTag d, const TapBatch& batch, const Fl
 // X^T W X + ridge = L D L^T with the right-hand sides X^T W Y and e taken along; leading blocks are those of lower
 // orders.
 struct Factor {
+  HWY_INLINE Factor() {}  // NOLINT(modernize-use-equals-default): see Distances
   int columns = 0;
   int linear_columns = 0;  // of powers 0 and 1
   float ridge = 0;

@@ -61,6 +61,7 @@ struct TapDistances {
 
 // The colours of the two pixels of a pair apart, and what their squared difference is multiplied by.
 struct Pair {
+  HWY_INLINE Pair() {}  // NOLINT(modernize-use-equals-default): see Distances
   FloatVec difference[3];
   FloatVec distance;
   FloatVec factor;

@@ -50,6 +50,8 @@ HWY_INLINE FloatVec exp2_negative(FloatTag d, FloatVec x) {
 // Distances to a batch of neighbours: num / den, so that groups share one division.
 template <int kTaps>
 struct Distances {
+  // Written out: the one that GCC makes is not of the instruction set, and cannot call those of NEON's vectors.
+  HWY_INLINE Distances() {}  // NOLINT(modernize-use-equals-default)
   FloatVec num[kTaps];
   FloatVec den[kTaps];
 };

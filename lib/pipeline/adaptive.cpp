@@ -67,7 +67,7 @@ AdaptiveResult denoise_adaptively(int width, int height, const RenderSamples& re
   check(params, width, height);
   const std::int64_t pixels = std::int64_t{width} * height;
   DenoiseParams intermediate = params.denoise;
-  intermediate.filter = params.intermediate;
+  intermediate.filters = {params.intermediate};
   intermediate.density.rule = params.density;
   const bool is_of_all = params.density == DensityRule::kAllSamples;
   LoopProgress progress(params.denoise.execution.progress, params.iterations + 1);

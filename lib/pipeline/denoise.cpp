@@ -6,16 +6,20 @@
 
 #include <algorithm>
 #include <chrono>
+#include <numeric>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "core/parameter_check.hpp"
 #include "exec/runner.hpp"
 #include "kernels/guides.hpp"
-#include "pipeline/filter_runs.hpp"
+#include "pipeline/blend.hpp"
+#include "pipeline/error_stages.hpp"
+#include "pipeline/filter_job.hpp"
+#include "pipeline/layers.hpp"
 #include "pipeline/risk_choice.hpp"
-#include "pipeline/stages.hpp"
 #include "pipeline/summary.hpp"
-#include "pipeline/survey.hpp"
 #include "prefilter/outliers.hpp"
 #include "prefilter/source.hpp"
 #include "stein/error.hpp"
@@ -25,9 +29,10 @@ namespace {
 
 constexpr int kDefaultTileWidth = 128;
 constexpr int kDefaultTileHeight = 32;
-constexpr double kMainShare = 0.85;  // of the progress
-constexpr double kSurveyShare = 0.12;
-constexpr double kRestShare = 1.0 - kMainShare - kSurveyShare;  // inspecting the input and summing up
+constexpr double kMainShare = 0.97;              // of the progress
+constexpr double kRestShare = 1.0 - kMainShare;  // inspecting the input and summing up
+constexpr double kSurveyShare = 0.12;            // of a filter's share
+constexpr double kBlendShare = 0.05;             // of the main share, where there are several filters
 
 exec::RowPipelineGeometry geometry_of(const Frame& frame, const Execution& execution, int threads) {
   exec::RowPipelineGeometry geometry;
@@ -45,6 +50,7 @@ void allocate(const Frame& frame, DenoiseResult& result) {
   result.error = Plane::triple(frame.width, frame.height);
   result.choice = Plane(frame.width, frame.height);
   result.density = Plane(frame.width, frame.height);
+  result.layers = allocate_layers(frame);
 }
 
 // Times stages by name; equal names add up.
@@ -79,22 +85,147 @@ void replace_outliers(Source& source, const DenoiseParams& params, exec::Runner&
   report.outlier_energy = outliers.removed;  // summarise() makes it a fraction
 }
 
-// Filters of many passes need nearly all rows of each for a few of the last: they do without.
-bool wants_prior(const DenoiseParams& params, const FilterRuns& runs) {
-  constexpr int kMostPasses = 2;
-  return params.selection == Selection::kEvidence && runs.passes() <= kMostPasses;
+// What the steps of a run share.
+struct Run {
+  const DenoiseParams& params;
+  const Source& source;
+  const LayerSource& layers;
+  exec::RowPipelineGeometry geometry;
+  exec::Runner& runner;
+  StageClock& clock;
+  std::vector<FilterPlan> plans;
+  DenoiseResult& result;
+
+  void execute(const std::vector<exec::RowStage>& stages, double share) {
+    const std::vector<double> seconds = exec::run_row_pipeline(geometry, stages, runner, share);
+    for (std::size_t s = 0; s < seconds.size(); ++s) clock.add(stages[s].name, seconds[s]);
+  }
+
+  // Surveys for the filter where it wants that. Returns what is left of the share.
+  double survey(FilterJob& job, double share) {
+    if (!job.wants_survey()) return share;
+    const double part = share * kSurveyShare;
+    clock.measure("survey", [&] { job.survey(runner, part); });
+    return share - part;
+  }
+
+  void doubt(const Survey& findings, bool knows_covariances) {
+    for (std::string& text : doubts(findings, knows_covariances)) result.report.warnings.push_back(std::move(text));
+  }
+};
+
+// One filter: its picture is the result, and no plane of the image's size is needed beside that.
+void filter_alone(Run& run, bool knows_covariances) {
+  std::vector<int> halos = job_halos(run.plans.front(), run.params.selection);
+  for (const int halo : error_halos()) halos.push_back(halo);
+  const int ring_rows = exec::ring_capacity(run.geometry, halos);
+  const int slots = run.runner.slots();
+  FilterJob job(run.source, run.layers, run.plans.front(), run.params.selection, run.geometry, ring_rows, slots);
+  const double left = run.survey(job, kMainShare);
+
+  const exec::RowRing rows(MixtureRows::planes(run.layers.channels()), run.geometry.width, ring_rows);
+  const MixtureRows picture(rows);
+  std::vector<exec::RowStage> stages = job.plan_stages({picture, &run.result.choice});
+  const ErrorStages errors(run.source, run.layers, run.params, picture, job.guides(), run.geometry, ring_rows, slots,
+                           run.result);
+  stages.insert(stages.end(), errors.list().begin(), errors.list().end());
+  run.execute(stages, left);
+  run.doubt(job.findings(), knows_covariances);
+  run.result.report.mean_relative_error = errors.mean_relative_error();
+  run.result.report.filters.front().weight = 1.0;
 }
 
-void describe(const RiskChoice& risk, DenoiseReport& report) {
-  report.risk = risk.name;
-  report.risk_reason = risk.reason;
-  report.warnings = risk.warnings;
+// A filter's picture of the whole image.
+struct Picture {
+  exec::RowRing rows;
+  Plane choice;
+};
+
+Picture make_picture(Run& run, const FilterPlan& plan, double share, Survey* findings) {
+  const exec::RowPipelineGeometry& geometry = run.geometry;
+  const int ring_rows = exec::ring_capacity(geometry, job_halos(plan, run.params.selection));
+  Picture picture{exec::RowRing(MixtureRows::planes(run.layers.channels()), geometry.width, geometry.height),
+                  Plane(geometry.width, geometry.height)};
+  FilterJob job(run.source, run.layers, plan, run.params.selection, geometry, ring_rows, run.runner.slots());
+  const double left = run.survey(job, share);
+  run.execute(job.plan_stages({MixtureRows(picture.rows), &picture.choice}), left);
+  if (findings != nullptr) *findings = job.findings();
+  return picture;
+}
+
+// From the index of a picture to that of an entry of all filters, in the order of candidate_names().
+void name_choices(const std::vector<Picture>& pictures, const std::vector<int>& first_entry, const Rect& tile,
+                  Plane& choice) {
+  for (int y = tile.y0; y < tile.y1; ++y) {
+    float* row = choice.row(y);
+    for (int x = tile.x0; x < tile.x1; ++x) {
+      const auto picture = static_cast<std::size_t>(row[x]);
+      if (picture == 0) continue;
+      const float entry = pictures[picture - 1].choice.row(y)[x];
+      row[x] = entry == 0.0F ? 0.0F : entry + static_cast<float>(first_entry[picture - 1]);
+    }
+  }
+}
+
+// Several filters, one after the other, and then their mixture.
+void filter_together(Run& run, bool knows_covariances) {
+  std::vector<Picture> pictures;
+  std::vector<MixtureRows> rows;
+  std::vector<int> first_entry;  // of a filter, minus 1
+  std::vector<double> costs;
+  for (const FilterPlan& plan : run.plans)
+    costs.push_back(static_cast<double>(candidate_names(plan.spec).size() * static_cast<std::size_t>(plan.runs())));
+  const double all = std::accumulate(costs.begin(), costs.end(), 0.0);
+  pictures.reserve(run.plans.size());
+  Survey findings;
+  int entries = 0;
+  for (std::size_t f = 0; f < run.plans.size(); ++f) {
+    const double share = kMainShare * (1.0 - kBlendShare) * costs[f] / all;
+    pictures.push_back(make_picture(run, run.plans[f], share, f == 0 ? &findings : nullptr));
+    rows.emplace_back(pictures.back().rows);
+    first_entry.push_back(entries);
+    entries += static_cast<int>(candidate_names(run.plans[f].spec).size()) - 1;
+  }
+  run.doubt(findings, knows_covariances);
+
+  std::optional<Blend> blend;
+  run.clock.measure("weigh",
+                    [&] { blend.emplace(run.source, run.layers, rows, run.runner, kMainShare * kBlendShare / 2); });
+  const int ring_rows = exec::ring_capacity(run.geometry, error_halos());
+  const exec::RowRing mixed(MixtureRows::planes(run.layers.channels()), run.geometry.width, ring_rows);
+  const GuideRows guides = make_guides(run.plans.front().spec, run.source, ring_rows);
+  const ErrorStages errors(run.source, run.layers, run.params, MixtureRows(mixed), guides, run.geometry, ring_rows,
+                           run.runner.slots(), run.result);
+  const int pitch = run.geometry.tile_width;
+  std::vector<std::vector<float>> lines(
+      static_cast<std::size_t>(run.runner.slots()),
+      std::vector<float>(static_cast<std::size_t>(pitch) * static_cast<std::size_t>(blend->pictures())));
+  std::vector<exec::RowStage> stages = {{"blend", 0, 1.0, [&](const Rect& tile, int slot) {
+                                           guides.prepare(tile);
+                                           blend->run(tile, {MixtureRows(mixed), &run.result.choice},
+                                                      lines[static_cast<std::size_t>(slot)].data(), pitch);
+                                           name_choices(pictures, first_entry, tile, run.result.choice);
+                                         }}};
+  stages.insert(stages.end(), errors.list().begin(), errors.list().end());
+  run.execute(stages, kMainShare * kBlendShare / 2);
+  run.result.report.mean_relative_error = errors.mean_relative_error();
+  const MixtureWeights weights = blend->mean_weights();
+  for (std::size_t f = 0; f < run.plans.size(); ++f) run.result.report.filters[f].weight = weights[f + 1];
+}
+
+void describe(const FilterSpec& filter, const RiskChoice& risk, DenoiseReport& report) {
+  report.filters.push_back({std::string(filter_name(filter)), 0.0, risk.name, risk.reason});
+  for (const std::string& warning : risk.warnings) {
+    const auto same = std::find(report.warnings.begin(), report.warnings.end(), warning);
+    if (same == report.warnings.end()) report.warnings.push_back(warning);
+  }
 }
 
 }  // namespace
 
 void check(const DenoiseParams& params) {
-  check(params.filter);
+  require_in_range("the number of filters", static_cast<float>(params.filters.size()), 1.0F, kMaxFilters);
+  for (const FilterSpec& filter : params.filters) check(filter);
   require_in_range("strength", params.strength, 0.0F, 1.0F);
   require_in_range("outliers.excess", params.outliers.excess, 0.0F, 100.0F);
   require_in_range("outliers.support", params.outliers.support, 1e-3F, 100.0F);
@@ -114,37 +245,33 @@ void check(const DenoiseParams& params) {
 DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {
   check(params);
   check(frame);
-  const RiskChoice risk = choose_risk(frame, params);
-  exec::Runner runner(params.execution);
   DenoiseResult result;
   DenoiseReport& report = result.report;
-  describe(risk, report);
+  std::vector<FilterPlan> plans;
+  bool knows_covariances = true;
+  for (const FilterSpec& filter : params.filters) {
+    const RiskChoice risk = choose_risk(frame, filter, params);
+    plans.push_back({filter, risk.method, params.monte_carlo});
+    knows_covariances = knows_covariances && risk.knows_covariances;
+    describe(filter, risk, report);
+  }
+  exec::Runner runner(params.execution);
   StageClock clock(report.stages);
 
   clock.measure("inspect", [&] { report.frame = inspect(frame, runner, kRestShare / 2); });
   if (params.strict) require_clean(frame, report.frame);
-
+  warn_of_layers(frame, report);
   allocate(frame, result);
   Source source(frame, report.frame);
   clock.measure("outliers", [&] { replace_outliers(source, params, runner, report); });
 
-  const exec::RowPipelineGeometry geometry = geometry_of(frame, params.execution, runner.slots());
-  const int ring_rows = window_rows(params, risk.method, geometry);
-  FilterRuns runs(source, params, risk.method, geometry, ring_rows, runner.slots());
-  Surveyor surveyor(source, runs, geometry, runner.slots());
-  const bool has_prior = wants_prior(params, runs);
-  Survey prior;
-  if (has_prior) clock.measure("survey", [&] { prior = survey(surveyor, runs, geometry, runner, kSurveyShare); });
-
-  Stages pipeline(source, params, runs, has_prior ? &prior : nullptr, surveyor, geometry, ring_rows, runner.slots(),
-                  result);
-  const std::vector<double> seconds =
-      exec::run_row_pipeline(geometry, pipeline.list(), runner, kMainShare + (has_prior ? 0.0 : kSurveyShare));
-  for (std::size_t s = 0; s < seconds.size(); ++s) clock.add(pipeline.list()[s].name, seconds[s]);
-
-  for (std::string& doubt : doubts(has_prior ? prior : surveyor.result(), risk.knows_covariances))
-    report.warnings.push_back(std::move(doubt));
-  report.mean_relative_error = pipeline.mean_relative_error();
+  const LayerSource layers(frame, report.frame, source);
+  Run run{params, source, layers, geometry_of(frame, params.execution, runner.slots()), runner, clock, plans, result};
+  if (plans.size() == 1) {
+    filter_alone(run, knows_covariances);
+  } else {
+    filter_together(run, knows_covariances);
+  }
   clock.measure("summarise", [&] { summarise(source, params, runner, kRestShare / 2, result); });
   return result;
 }

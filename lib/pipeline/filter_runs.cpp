@@ -3,49 +3,45 @@
 // Joint SURE: Li, "Joint Stein's Unbiased Risk Estimation for Adaptive Sampling and Reconstruction", 2017.
 #include "pipeline/filter_runs.hpp"
 
+#include <numeric>
 #include <string>
 
 #include "select/selection.hpp"
 #include "stein/error.hpp"
 
 namespace stein {
-namespace {
 
-int draws_of(const DenoiseParams& params, Risk risk) {
-  return risk == Risk::kMonteCarlo ? params.monte_carlo.draws : 0;
-}
-
-}  // namespace
-
-std::vector<int> run_halos(const DenoiseParams& params, Risk risk) {
-  const std::vector<int> one = halos(params.filter);
-  std::vector<int> all = one;
-  for (int draw = 0; draw < draws_of(params, risk); ++draw) all.insert(all.end(), one.begin(), one.end());
+std::vector<int> run_halos(const FilterPlan& plan) {
+  const std::vector<int> one = halos(plan.spec);
+  std::vector<int> all;
+  for (int run = 0; run < plan.runs(); ++run) all.insert(all.end(), one.begin(), one.end());
   return all;
 }
 
-FilterRuns::FilterRuns(const Source& source, const DenoiseParams& params, Risk risk,
+FilterRuns::FilterRuns(const Source& source, const LayerSource& layers, const FilterPlan& plan,
                        const exec::RowPipelineGeometry& geometry, int ring_rows, int slots)
     : source_(source),
-      params_(params),
+      layers_(layers),
+      plan_(plan),
       geometry_(geometry),
-      passes_(halos(params.filter)),
+      passes_(halos(plan.spec)),
       scratch_(static_cast<std::size_t>(slots)),
       directions_(static_cast<std::size_t>(slots), std::vector<float>(static_cast<std::size_t>(geometry.tile_width))) {
-  add_run(risk, {}, ring_rows);
-  for (int draw = 0; draw < draws_of(params, risk); ++draw) {
-    add_run(risk, Perturbation{params.monte_carlo.seed, draw, params.monte_carlo.step}, ring_rows);
+  add_run({}, ring_rows);
+  layer_rows_ = exec::RowRing((entries_ - 1) * layers.channels(), geometry.width, ring_rows);
+  for (int draw = 0; draw + 1 < plan.runs(); ++draw) {
+    add_run(Perturbation{plan.monte_carlo.seed, draw, plan.monte_carlo.step}, ring_rows);
   }
 }
 
-void FilterRuns::add_run(Risk risk, const std::optional<Perturbation>& perturbation, int ring_rows) {
+void FilterRuns::add_run(const std::optional<Perturbation>& perturbation, int ring_rows) {
   auto run = std::make_unique<Run>();
   if (perturbation) run->perturbed.emplace(source_.perturbed(*perturbation));
   const Source& source = perturbation ? *run->perturbed : source_;
-  run->guides.emplace(make_guides(params_.filter, source, ring_rows));
-  const Divergence divergence = risk == Risk::kJoint ? Divergence::kJoint : Divergence::kPlain;
-  run->filter = prepare(params_.filter,
-                        {source, *run->guides, geometry_.tile_width, geometry_.tile_height, ring_rows, divergence});
+  run->guides.emplace(make_guides(plan_.spec, source, ring_rows));
+  const Divergence divergence = plan_.risk == Risk::kJoint ? Divergence::kJoint : Divergence::kPlain;
+  run->filter = prepare(plan_.spec, {source, *run->guides, geometry_.tile_width, geometry_.tile_height, ring_rows,
+                                     divergence, perturbation ? nullptr : &layers_});
   entries_ = run->filter->candidates() + 1;
   if (entries_ > kMaxEntries) {
     throw Error(ErrorCode::kInvalidArgument, "the filter has " + std::to_string(entries_ - 1) +
@@ -62,17 +58,20 @@ void FilterRuns::add_stages(const CutTile& wanted_rows, const TileStep& then, st
     list.push_back({"guides", 0, 0.5, [&run](const Rect& tile, int /*slot*/) { run.guides->prepare(tile); }});
     for (std::size_t p = 0; p < passes_.size(); ++p) {
       const bool is_last = p + 1 == passes_.size();
-      const auto run_pass = [this, &run, r, p, is_last, then](const Rect& tile, int slot) {
+      const bool has_layers = r == 0 && !wanted_rows;
+      const auto run_pass = [this, &run, r, p, is_last, has_layers, then](const Rect& tile, int slot) {
         const auto s = static_cast<std::size_t>(slot);
-        run.filter->run(static_cast<int>(p), tile, scratch_[s], CandidateRows(run.candidates));
+        run.filter->run(static_cast<int>(p), tile, scratch_[s],
+                        has_layers ? candidates() : CandidateRows(run.candidates));
         if (is_last && r > 0) add_draw(run, tile, directions_[s].data());
         if (is_last && r + 1 == runs_.size()) then(tile, slot);
       };
       exec::RowStage stage{r == 0 ? "filter" : "draws", passes_[p], 15.0 / static_cast<double>(passes_.size()),
                            run_pass};
-      if (is_last && wanted_rows) {
-        stage.run = [run_pass, wanted_rows](const Rect& tile, int slot) {
-          for (const Rect& part : wanted_rows(tile)) run_pass(part, slot);
+      if (wanted_rows) {
+        const int reach = std::accumulate(passes_.begin() + static_cast<std::ptrdiff_t>(p) + 1, passes_.end(), 0);
+        stage.run = [run_pass, wanted_rows, reach](const Rect& tile, int slot) {
+          for (const Rect& part : wanted_rows(tile, reach)) run_pass(part, slot);
         };
       }
       list.push_back(std::move(stage));
@@ -84,7 +83,7 @@ void FilterRuns::add_stages(const CutTile& wanted_rows, const TileStep& then, st
 // and features its expectation is the sum of both derivative terms of Joint SURE Eq. 2.
 void FilterRuns::add_draw(const Run& draw, const Rect& tile, float* b) const {
   const int n = tile.width();
-  const float factor = 1.0F / (params_.monte_carlo.step * static_cast<float>(params_.monte_carlo.draws));
+  const float factor = 1.0F / (plan_.monte_carlo.step * static_cast<float>(plan_.monte_carlo.draws));
   const bool is_first = &draw == runs_[1].get();
   const CandidateRows base = candidates();
   const CandidateRows moved(draw.candidates);

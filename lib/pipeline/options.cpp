@@ -40,10 +40,17 @@ std::uint64_t seed_of(const std::string& name, double value) {
   return static_cast<std::uint64_t>(whole(name, value, kLargest));
 }
 
+std::vector<FilterSpec> filters_of_quality(const std::string& name, const std::string& text) {
+  constexpr std::array<Word<Quality>, 3> kWords = {
+      {{"fast", Quality::kFast}, {"default", Quality::kDefault}, {"best", Quality::kBest}}};
+  return filters_of(choose(name, text, kWords));
+}
+
 using Params = DenoiseParams;
 using Text = std::string;
 
 constexpr auto kTexts = std::to_array<Option<Params, const Text&>>({
+    {"quality", [](Params& p, const Text& n, const Text& v) { p.filters = filters_of_quality(n, v); }},
     {"risk", [](Params& p, const Text& n, const Text& v) { p.risk = risk_of(n, v); }},
     {"selection", [](Params& p, const Text& n, const Text& v) { p.selection = selection_of(n, v); }},
     {"density-rule", [](Params& p, const Text& n, const Text& v) { p.density.rule = density_rule_of(n, v); }},
@@ -72,7 +79,7 @@ constexpr auto kNumbers = std::to_array<Option<Params, double>>({
 
 template <class Options, class Value>
 void set(DenoiseParams& params, const std::string& name, const Options& options, const Value& value) {
-  if (set_filter_option(params.filter, name, value)) return;
+  if (set_filter_option(params.filters, name, value)) return;
   const auto* option = find_option(options, name);
   if (option == nullptr) refuse_name(name);
   option->set(params, name, value);

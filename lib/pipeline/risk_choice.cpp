@@ -55,9 +55,9 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-void require_closed_form(const DenoiseParams& params) {
-  if (params.risk == Risk::kAuto || params.risk == Risk::kMonteCarlo || has_derivative(params.filter)) return;
-  throw Error(ErrorCode::kInvalidArgument, "the filter '" + std::string(filter_name(params.filter)) +
+void require_closed_form(const FilterSpec& filter, Risk risk) {
+  if (risk == Risk::kAuto || risk == Risk::kMonteCarlo || has_derivative(filter)) return;
+  throw Error(ErrorCode::kInvalidArgument, "the filter '" + std::string(filter_name(filter)) +
                                                "' has no risk in closed form; choose the Monte Carlo risk");
 }
 
@@ -120,6 +120,12 @@ RiskChoice taylor(const DenoiseParams& params) {
                 "adaptive-order: the density of all samples needs the divergence that the error by Taylor expansion "
                 "does not give; choose OrderError::kRisk, or DensityRule::kErrorReduction");
   }
+  if (params.filters.size() > 1) {
+    throw Error(
+        ErrorCode::kInvalidArgument,
+        "adaptive-order: the error by Taylor expansion is no risk by which several filters can be mixed; choose "
+        "OrderError::kRisk, or adaptive-order alone");
+  }
   RiskChoice choice;
   choice.method = Risk::kPlain;
   choice.name = "Taylor expansion";
@@ -129,12 +135,12 @@ RiskChoice taylor(const DenoiseParams& params) {
 
 }  // namespace
 
-RiskChoice choose_risk(const Frame& frame, const DenoiseParams& params) {
-  if (is_taylor(params.filter)) return taylor(params);
-  require_closed_form(params);
-  const NoisyGuides noisy = noisy_guides(frame, params.filter);
+RiskChoice choose_risk(const Frame& frame, const FilterSpec& filter, const DenoiseParams& params) {
+  if (is_taylor(filter)) return taylor(params);
+  require_closed_form(filter, params.risk);
+  const NoisyGuides noisy = noisy_guides(frame, filter);
   if (params.risk == Risk::kMonteCarlo) return monte_carlo(frame, noisy, "it was asked for");
-  if (!has_derivative(params.filter)) return monte_carlo(frame, noisy, "the filter has no closed form");
+  if (!has_derivative(filter)) return monte_carlo(frame, noisy, "the filter has no closed form");
   if (params.risk == Risk::kJoint) require_covariances(frame, noisy);
   return closed_form(noisy, params.risk);
 }

@@ -17,8 +17,8 @@ struct RiskChoice {
   std::vector<std::string> warnings;
 };
 
-/// @throws Error kInvalidArgument where the filter cannot do what `params` asks for, kInvalidFrame where the frame
-/// lacks what it takes.
-[[nodiscard]] RiskChoice choose_risk(const Frame& frame, const DenoiseParams& params);
+/// For one of the filters of `params`. @throws Error kInvalidArgument where the filter cannot do what `params` asks
+/// for, kInvalidFrame where the frame lacks what it takes.
+[[nodiscard]] RiskChoice choose_risk(const Frame& frame, const FilterSpec& filter, const DenoiseParams& params);
 
 }  // namespace stein

@@ -46,10 +46,10 @@ RowSums sums_of_row(const DenoiseResult& result, std::size_t entries, int y) {
 void fill_density(const Source& source, Plane& density) {
   std::vector<std::pair<const ReplacedPixel*, float>> fills;
   double mean = 0;
-  for (int y = 0; y < density.height() && !source.replaced().empty(); ++y) {
+  for (int y = 0; y < density.height() && !source.replaced().list().empty(); ++y) {
     mean += std::accumulate(density.row(y), density.row(y) + density.width(), 0.0) / density.width() / density.height();
   }
-  for (const ReplacedPixel& pixel : source.replaced()) {
+  for (const ReplacedPixel& pixel : source.replaced().list()) {
     if (pixel.is_source) continue;
     float best = 0;
     float mask[3] = {};
@@ -62,6 +62,24 @@ void fill_density(const Source& source, Plane& density) {
     fills.emplace_back(&pixel, best > 0.0F ? best : static_cast<float>(mean));
   }
   for (const auto& [pixel, value] : fills) density.row(pixel->y)[pixel->x] = value;
+}
+
+/// Whether all pixels claim to be exact. Ends at the first that does not.
+bool has_no_variance(const Frame& frame) {
+  std::vector<float> row(static_cast<std::size_t>(frame.width));
+  for (int y = 0; y < frame.height; ++y) {
+    for (const ConstPlaneView& variance : frame.colour_variance) {
+      variance.read_row(y, 0, frame.width, row.data());
+      if (std::any_of(row.begin(), row.end(), [](float v) { return v != 0.0F; })) return false;
+    }
+  }
+  return true;
+}
+
+void mark_filled(const Source& source, Plane& choice) {
+  for (const ReplacedPixel& pixel : source.replaced().list()) {
+    if (!pixel.is_source) choice.row(pixel.y)[pixel.x] = -1.0F;
+  }
 }
 
 void scale_density(Plane& density, double sum, exec::Runner& runner) {
@@ -79,26 +97,29 @@ void warn(DenoiseReport& report, const Parts&... parts) {
   report.warnings.push_back(text.str());
 }
 
-void add_warnings(const Frame& frame, DenoiseReport& report) {
+void add_warnings(const Frame& frame, bool is_exact, DenoiseReport& report) {
   const FrameReport& found = report.frame;
   if (found.invalid_pixels > 0) {
-    warn(report, found.invalid_pixels, " pixels had no usable colour (first: plane '", found.first_invalid.plane,
-         "' holds ", found.first_invalid.value, " at ", found.first_invalid.x, ", ", found.first_invalid.y,
-         "); they were filled from their neighbours");
+    warn(report, found.invalid_pixels, " pixels had no usable colour (first: ", describe(found.first_invalid),
+         "); they were filled from their neighbours, and are -1 in the choice");
   }
   if (found.bad_covariance_pixels > 0) {
-    warn(report, found.bad_covariance_pixels, " pixels have unusable covariances (first: plane '",
-         found.first_bad_covariance.plane, "' holds ", found.first_bad_covariance.value, " at ",
-         found.first_bad_covariance.x, ", ", found.first_bad_covariance.y, "); they count as 0");
+    warn(report, found.bad_covariance_pixels,
+         " pixels have unusable covariances (first: ", describe(found.first_bad_covariance), "); they count as 0");
   }
   for (std::size_t f = 0; f < frame.features.size(); ++f) {
     if (found.bad_feature_pixels[f] > 0) {
       warn(report, "feature '", frame.features[f].name, "' is unusable in ", found.bad_feature_pixels[f],
-           " pixels; it was left out of their distances");
+           " pixels (first: ", describe(found.first_bad_feature[f]), "); it was left out of their distances");
     }
     if (frame.features[f].variance.empty()) {
       warn(report, "feature '", frame.features[f].name, "' has no variance; it was taken as free of noise");
     }
+  }
+  if (is_exact) {
+    warn(report,
+         "the variance of the colour is 0 in all pixels: the input was taken as exact and stays as it is; have the "
+         "renderer write its variance");
   }
   if (found.single_sample_pixels > 0) {
     warn(report, found.single_sample_pixels,
@@ -119,7 +140,7 @@ void summarise(const Source& source, const DenoiseParams& params, exec::Runner& 
   const Frame& frame = source.frame();
   DenoiseReport& report = result.report;
   fill_density(source, result.density);
-  report.candidates = candidate_names(params.filter);
+  report.candidates = candidate_names(params.filters);
   report.instruction_set = kernels::instruction_set();
   std::vector<RowSums> rows(static_cast<std::size_t>(frame.height));
   runner.for_each(frame.height, progress_weight, [&](int y, int) {
@@ -137,9 +158,10 @@ void summarise(const Source& source, const DenoiseParams& params, exec::Runner& 
     density += row.density;
     radiance += row.radiance;
   }
+  mark_filled(source, result.choice);
   report.outlier_energy = radiance > 0 ? report.outlier_energy / (radiance + report.outlier_energy) : 0.0;
   scale_density(result.density, density, runner);
-  add_warnings(frame, report);
+  add_warnings(frame, radiance > 0 && has_no_variance(frame), report);
 }
 
 }  // namespace stein

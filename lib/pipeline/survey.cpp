@@ -11,14 +11,16 @@
 namespace stein {
 namespace {
 
-constexpr int kPeriod = 16;   // of every 16 rows ...
-constexpr int kFirstRow = 6;  // ... two are looked at
-constexpr int kRows = 2;
+constexpr int kPeriod = 64;    // of every 64 rows ...
+constexpr int kFirstRow = 28;  // ... eight are looked at, so that a filter's first pass can leave out rows as well
+constexpr int kRows = 8;
 constexpr int kSmall = 256;  // images of fewer rows are looked at as a whole
 
-bool is_surveyed(int y, int height) {
-  const int phase = y % kPeriod;
-  return height < kSmall || (phase >= kFirstRow && phase < kFirstRow + kRows);
+// Whether a row is looked at, or within reach of one.
+bool is_surveyed(int y, int height, int reach) {
+  if (height < kSmall) return true;
+  const int beyond = (y + kPeriod - kFirstRow) % kPeriod - (kRows - 1);  // the last row before
+  return beyond <= reach || kPeriod - (kRows - 1) - beyond <= reach;
 }
 
 // Sums over the pixels of a block.
@@ -77,10 +79,10 @@ Surveyor::Surveyor(const Source& source, const FilterRuns& runs, const exec::Row
 
 Surveyor::~Surveyor() = default;
 
-std::vector<Rect> Surveyor::parts(const Rect& tile) const {
+std::vector<Rect> Surveyor::parts(const Rect& tile, int reach) const {
   std::vector<Rect> parts;
   for (int y = tile.y0; y < tile.y1; ++y) {
-    if (!is_surveyed(y, state_->height)) continue;
+    if (!is_surveyed(y, state_->height, reach)) continue;
     if (!parts.empty() && parts.back().y1 == y) {
       ++parts.back().y1;
     } else {
@@ -140,7 +142,7 @@ void Surveyor::State::add_noise(const Rect& part, int y, float* row_lines) {
   }
 }
 
-// Sums over areas of four blocks by four rows: the units of standard errors, wide enough for neighbours that err
+// Sums over areas of four blocks by eight rows: the units of standard errors, wide enough for neighbours that err
 // together.
 std::vector<BlockSums> Surveyor::State::areas() const {
   constexpr int kBlocksOfArea = 4;
@@ -199,7 +201,7 @@ Survey Surveyor::result() const {
 Survey survey(Surveyor& surveyor, FilterRuns& runs, const exec::RowPipelineGeometry& geometry, exec::Runner& runner,
               double progress_weight) {
   std::vector<exec::RowStage> stages;
-  runs.add_stages([&surveyor](const Rect& tile) { return surveyor.parts(tile); },
+  runs.add_stages([&surveyor](const Rect& tile, int reach) { return surveyor.parts(tile, reach); },
                   [&surveyor](const Rect& part, int slot) { surveyor.add(part, slot); }, stages);
   exec::run_row_pipeline(geometry, stages, runner, progress_weight);
   return surveyor.result();

@@ -38,8 +38,8 @@ class Surveyor {
   Surveyor(const Surveyor&) = delete;
   Surveyor& operator=(const Surveyor&) = delete;
 
-  /// The parts of a tile that are surveyed.
-  [[nodiscard]] std::vector<Rect> parts(const Rect& tile) const;
+  /// The parts of a tile that are surveyed, or no more than `reach` rows away from one.
+  [[nodiscard]] std::vector<Rect> parts(const Rect& tile, int reach) const;
   /// Takes in one of them, whose candidates are there.
   void add(const Rect& part, int slot);
   [[nodiscard]] Survey result() const;

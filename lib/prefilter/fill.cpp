@@ -10,11 +10,16 @@ namespace {
 // Progress of the fill: which pixels are known, and the values of those that had to be filled.
 class Holes {
  public:
-  explicit Holes(const Frame& frame)
-      : frame_(frame), entry_(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height), kValid) {
+  // Of up to three planes of the frame. validity_row(y, mask) fills a row's mask and returns the number of zeros.
+  template <class ValidityRow>
+  Holes(const Frame& frame, const ConstPlaneView* planes, std::size_t channels, ValidityRow validity_row)
+      : frame_(frame),
+        planes_(planes),
+        channels_(channels),
+        entry_(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height), kValid) {
     std::vector<float> mask(static_cast<std::size_t>(frame.width));
     for (int y = 0; y < frame.height; ++y) {
-      if (colour_validity_row(frame, y, 0, frame.width, mask.data()) == 0) continue;
+      if (validity_row(y, mask.data()) == 0) continue;
       for (int x = 0; x < frame.width; ++x) {
         if (mask[static_cast<std::size_t>(x)] == 0.0F) at(x, y) = kUnknown;
       }
@@ -82,34 +87,52 @@ class Holes {
       if (!is_known(nx, ny)) return;
       ++count;
       const std::uint32_t entry = entry_[index(nx, ny)];
-      for (std::size_t c = 0; c < 3 && mean != nullptr; ++c) {
-        sum[c] += entry == kValid ? frame_.colour[c].at(nx, ny) : filled_[entry].colour[c];
+      for (std::size_t c = 0; c < channels_ && mean != nullptr; ++c) {
+        sum[c] += entry == kValid ? planes_[c].at(nx, ny) : filled_[entry].colour[c];
       }
     });
-    for (std::size_t c = 0; c < 3 && mean != nullptr; ++c) (*mean)[c] = static_cast<float>(sum[c] / count);
+    for (std::size_t c = 0; c < channels_ && mean != nullptr; ++c) (*mean)[c] = static_cast<float>(sum[c] / count);
     return count;
   }
 
   const Frame& frame_;
+  const ConstPlaneView* planes_;
+  std::size_t channels_;
   std::vector<std::uint32_t> entry_;  // kValid, kUnknown, kQueued, or the index into filled_
   std::vector<ReplacedPixel> filled_;
 };
 
-}  // namespace
-
-std::vector<ReplacedPixel> fill_invalid(const Frame& frame) {
-  Holes holes(frame);
+// refuse() throws, where no pixel is known.
+template <class Refuse>
+std::vector<ReplacedPixel> fill(Holes holes, const Refuse& refuse) {
   std::vector<ReplacedPixel> layer = holes.first_layer();
   while (!layer.empty()) layer = holes.advance(layer);
   std::vector<ReplacedPixel> filled = holes.take_filled();
-  if (filled.empty()) {
-    throw Error(ErrorCode::kInvalidFrame,
-                (frame.origin.empty() ? "frame" : frame.origin) +
-                    ": no pixel has usable colour, variance and samples; nothing can be filtered");
-  }
+  if (filled.empty()) refuse();
   std::sort(filled.begin(), filled.end(),
             [](const ReplacedPixel& a, const ReplacedPixel& b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); });
   return filled;
+}
+
+}  // namespace
+
+std::vector<ReplacedPixel> fill_invalid(const Frame& frame) {
+  Holes holes(frame, frame.colour.data(), frame.colour.size(),
+              [&](int y, float* mask) { return colour_validity_row(frame, y, 0, frame.width, mask); });
+  return fill(std::move(holes), [&frame] {
+    throw Error(ErrorCode::kInvalidFrame, name_of(frame) + ": " + describe(inspect(frame).first_invalid) +
+                                              ", and no pixel has usable colour, variance and samples: nothing can be "
+                                              "filtered; render the frame again");
+  });
+}
+
+std::vector<ReplacedPixel> fill_layer(const Frame& frame, const Layer& layer) {
+  Holes holes(frame, layer.mean.data(), layer.mean.size(),
+              [&](int y, float* mask) { return layer_validity_row(frame, layer, y, 0, frame.width, mask); });
+  return fill(std::move(holes), [&] {
+    throw Error(ErrorCode::kInvalidFrame, name_of(frame) + ": no pixel has a usable value in layer '" + layer.name +
+                                              "': nothing can be filtered; leave the layer out, or render it again");
+  });
 }
 
 }  // namespace stein

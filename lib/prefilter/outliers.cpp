@@ -74,7 +74,7 @@ OutlierReport outliers_of_row(const Source& source, const OutlierParams& params,
     const float excess = mean - neighbour.mean;
     if (!neighbour.found || excess <= params.excess * neighbour.error || excess >= support * here.error[x]) continue;
     const float scale = std::max(neighbour.mean, 0.0F) / mean;
-    ReplacedPixel pixel{static_cast<int>(x) - 1, y, {}, true};
+    ReplacedPixel pixel{static_cast<int>(x) - 1, y, {}, true, scale};
     for (std::size_t c = 0; c < 3; ++c) {
       const float value = source.frame().colour[c].at(pixel.x, y);
       pixel.colour[c] = value * scale;

@@ -88,28 +88,7 @@ Source::Source(const Frame& frame, const FrameReport& report) : frame_(frame) {
   if (report.invalid_pixels > 0) replace(fill_invalid(frame));
 }
 
-void Source::replace(const std::vector<ReplacedPixel>& pixels) {
-  if (pixels.empty()) return;
-  const auto before = [](const ReplacedPixel& a, const ReplacedPixel& b) {
-    return std::pair(a.y, a.x) < std::pair(b.y, b.x);
-  };
-  std::vector<ReplacedPixel> merged(replaced_.size() + pixels.size());
-  std::merge(replaced_.begin(), replaced_.end(), pixels.begin(), pixels.end(), merged.begin(), before);
-  replaced_ = std::move(merged);
-  first_in_row_.assign(static_cast<std::size_t>(frame_.height) + 1, 0);
-  for (const ReplacedPixel& p : replaced_) ++first_in_row_[static_cast<std::size_t>(p.y) + 1];
-  std::partial_sum(first_in_row_.begin(), first_in_row_.end(), first_in_row_.begin());
-}
-
-template <class Visit>
-void Source::for_each_replaced(int y, int x, int count, Visit visit) const {
-  if (replaced_.empty()) return;
-  const auto row = static_cast<std::size_t>(y);
-  for (std::size_t i = first_in_row_[row]; i < first_in_row_[row + 1]; ++i) {
-    const ReplacedPixel& p = replaced_[i];
-    if (p.x >= x && p.x < x + count) visit(p, p.x - x);
-  }
-}
+void Source::replace(const std::vector<ReplacedPixel>& pixels) { replaced_.add(pixels, frame_.height); }
 
 Source Source::perturbed(const Perturbation& perturbation) const {
   Source moved = *this;
@@ -127,12 +106,12 @@ void Source::colour_row(std::size_t channel, int y, int x, int count, float* out
       for (int i = 0; i < part; ++i) out[start + i] += perturbation_->step * b[i];
     }
   }
-  for_each_replaced(y, x, count, [&](const ReplacedPixel& p, int i) { out[i] = p.colour[channel]; });
+  replaced_.for_each(y, x, count, [&](const ReplacedPixel& p, int i) { out[i] = p.colour[channel]; });
 }
 
 void Source::variance_row(std::size_t channel, int y, int x, int count, float* out) const {
   frame_.colour_variance[channel].read_row(y, x, count, out);
-  for_each_replaced(y, x, count, [&](const ReplacedPixel&, int i) { out[i] = 0.0F; });
+  replaced_.for_each(y, x, count, [&](const ReplacedPixel&, int i) { out[i] = 0.0F; });
 }
 
 void Source::colour_covariance_row(std::size_t a, std::size_t b, int y, int x, int count, float* out) const {
@@ -202,7 +181,7 @@ void Source::add_step(std::size_t feature, std::size_t k, float factor, int y, i
 void Source::input_row(std::size_t channel, int y, int x, int count, float* mean, float* variance) const {
   frame_.colour[channel].read_row(y, x, count, mean);
   frame_.colour_variance[channel].read_row(y, x, count, variance);
-  for_each_replaced(y, x, count, [&](const ReplacedPixel& p, int i) {
+  replaced_.for_each(y, x, count, [&](const ReplacedPixel& p, int i) {
     if (p.is_source) return;
     mean[i] = p.colour[channel];
     variance[i] = 0.0F;
@@ -211,7 +190,7 @@ void Source::input_row(std::size_t channel, int y, int x, int count, float* mean
 
 void Source::mask_row(int y, int x, int count, float* out) const {
   std::fill_n(out, count, 1.0F);
-  for_each_replaced(y, x, count, [&](const ReplacedPixel& p, int i) { out[i] = p.is_source ? 1.0F : 0.0F; });
+  replaced_.for_each(y, x, count, [&](const ReplacedPixel& p, int i) { out[i] = p.is_source ? 1.0F : 0.0F; });
 }
 
 // Per-sample variance of the group as the frame has it, in normalised units.

@@ -9,23 +9,18 @@
 #include <vector>
 
 #include "core/validity.hpp"
+#include "prefilter/replaced_pixels.hpp"
 #include "stein/frame.hpp"
 
 namespace stein {
-
-/// A pixel whose colour is not the frame's.
-struct ReplacedPixel {
-  int x = 0;
-  int y = 0;
-  std::array<float, 3> colour{};
-  bool is_source =
-      false;  ///< false: an invalid pixel, filled from its neighbours; true: an outlier that was scaled down
-};
 
 /// Fills from the rim of every hole inwards: each pixel gets the mean of its already known 8 neighbours. Row order.
 /// O(pixels).
 /// @throws Error kInvalidFrame if no pixel at all is valid.
 [[nodiscard]] std::vector<ReplacedPixel> fill_invalid(const Frame& frame);
+
+/// The same for a layer, at pixels where it or the colour is unusable.
+[[nodiscard]] std::vector<ReplacedPixel> fill_layer(const Frame& frame, const Layer& layer);
 
 /// What to divide a feature by so that its distances are comparable between scenes: 1 for features that are bounded by
 /// nature (normal, albedo, visibility), the 99.9 % quantile for depth, the largest channel's 0.1-99.9 % range for
@@ -52,7 +47,7 @@ class Source {
   void replace(const std::vector<ReplacedPixel>& pixels);
 
   [[nodiscard]] const Frame& frame() const noexcept { return frame_; }
-  [[nodiscard]] const std::vector<ReplacedPixel>& replaced() const noexcept { return replaced_; }  ///< in row order
+  [[nodiscard]] const ReplacedPixels& replaced() const noexcept { return replaced_; }
   [[nodiscard]] float feature_scale(std::size_t feature) const noexcept { return feature_scales_[feature]; }
 
   /// Colour mean as the filters are to see it.
@@ -84,8 +79,6 @@ class Source {
   static constexpr float kNoInformation = 1e10F;
 
  private:
-  template <class Visit>
-  void for_each_replaced(int y, int x, int count, Visit visit) const;
   void group_variance_row(std::size_t feature, int y, int x, int count, float* out) const;
   void raise_variance_row(std::size_t feature, int y, int x, int count, float* variance) const;
   void add_step(std::size_t feature, std::size_t k, float factor, int y, int x, int count, float* mean) const;
@@ -93,8 +86,7 @@ class Source {
   const Frame& frame_;
   std::vector<float> feature_scales_;
   std::vector<std::uint8_t> feature_has_bad_;
-  std::vector<ReplacedPixel> replaced_;    // in row order
-  std::vector<std::size_t> first_in_row_;  // height + 1 indices into replaced_; empty while there are none
+  ReplacedPixels replaced_;
   std::optional<Perturbation> perturbation_;
 };
 

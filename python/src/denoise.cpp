@@ -47,6 +47,8 @@ class Progress {
   std::exception_ptr raised_;
 };
 
+constexpr const char* kQuality = "quality";
+
 std::string list_text(nb::handle numbers) {
   std::string text;
   for (const nb::handle number : numbers)
@@ -70,7 +72,11 @@ void set_option(DenoiseParams& params, const std::string& name, nb::handle value
 DenoiseParams params_of(const Frame& frame, const std::string& filter, const nb::dict& feature_sigmas,
                         const nb::dict& options) {
   DenoiseParams params;
-  params.filter = make_filter(filter);
+  params.filters = make_filters(filter);
+  if (options.contains(kQuality)) {
+    if (filter != "auto") refuse("quality chooses the filters of auto; leave out filter, or quality");
+    set_option(params, kQuality, options[kQuality]);  // before all others, since it resets the filters
+  }
   for (const auto [name, sigma] : feature_sigmas) {
     const auto feature = nb::cast<std::string>(name);
     require_feature(frame, feature);
@@ -79,7 +85,7 @@ DenoiseParams params_of(const Frame& frame, const std::string& filter, const nb:
   for (const auto [key, value] : options) {
     auto name = nb::cast<std::string>(key);
     std::replace(name.begin(), name.end(), '_', '-');
-    set_option(params, name, value);
+    if (name != kQuality) set_option(params, name, value);
   }
   return params;
 }
@@ -121,8 +127,16 @@ nb::dict report_of(const OutputFrame& output) {
   for (const StageSeconds& stage : report.stages) seconds[stage.name.c_str()] = stage.seconds;
   nb::dict dict;
   dict["filter"] = output.filter;
-  dict["risk"] = report.risk;
-  dict["risk_reason"] = report.risk_reason;
+  nb::list filters;
+  for (const FilterShare& share : report.filters) {
+    nb::dict entry;
+    entry["name"] = share.name;
+    entry["weight"] = share.weight;
+    entry["risk"] = share.risk;
+    entry["risk_reason"] = share.risk_reason;
+    filters.append(entry);
+  }
+  dict["filters"] = filters;
   dict["candidates"] = report.candidates;
   dict["choice_share"] = by_name(report.candidates, report.choice_share);
   dict["mean_error"] = report.mean_error;

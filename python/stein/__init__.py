@@ -38,7 +38,7 @@ def denoise(
     covariance: Planes | None = None,
     samples: float | NDArray[Any] | None = None,
     degrees_of_freedom: float = 0,
-    filter: str = "cross-bilateral",
+    filter: str = "auto",
     feature_sigmas: Mapping[str, float] | None = None,
     progress: Callable[[float], bool | None] | None = None,
     **options: Unpack[Options],
@@ -46,7 +46,7 @@ def denoise(
     """Removes the noise of an image, and says how large the error is that remains in every pixel.
 
     colour: a Frame, or the arrays to make one of; the arguments up to degrees_of_freedom are then those of Frame.
-    filter: one of filter_names().
+    filter: "auto", or one or more of filter_names() with commas between, which are mixed.
     feature_sigmas: how strongly features guide, by name; smaller is stronger, 0: not at all.
     progress: called with the fraction done, from any thread; cancels by returning False or by raising.
     options: further parameters, see Options; each filter has some of its own.

@@ -18,6 +18,7 @@ Channels = Union[list[str], tuple[list[str], list[str]]]
 class Options(TypedDict, total=False):
     """By name, as on the command line and in include/stein/options.hpp, which say what they mean; left out, each is as there."""
 
+    quality: Literal["fast", "default", "best"]
     risk: Literal["auto", "sure", "joint", "monte-carlo"]
     draws: int
     seed: int
@@ -53,12 +54,20 @@ class Options(TypedDict, total=False):
     weight_steps: int
 
 
+class FilterShare(TypedDict):
+    """One filter's part in the result."""
+
+    name: str
+    weight: float
+    risk: str
+    risk_reason: str
+
+
 class Report(TypedDict):
     """How it went, as in include/stein/denoise.hpp."""
 
     filter: str
-    risk: str
-    risk_reason: str
+    filters: list[FilterShare]
     candidates: list[str]
     choice_share: dict[str, float]
     mean_error: list[float]

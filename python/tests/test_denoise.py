@@ -116,7 +116,7 @@ def test_covariances_lead_to_joint_sure():
         "depth": scene.albedo[..., 0],
     }
     result = stein.denoise(**arguments)
-    assert "joint" in result.report["risk"]
+    assert "joint" in result.report["filters"][0]["risk"]
     planes = stein.Frame(**arguments).planes
     assert {"covariance.G.B", "covariance.B.albedo.R", "depth.Z"} <= planes.keys()
 
@@ -136,9 +136,12 @@ def test_options_change_what_they_say():
         return stein.denoise(**scene.arguments(), **options)
 
     assert np.array_equal(run(strength=0).colour, scene.colour)
-    assert len(run(bank="intermediate").report["candidates"]) == 4
-    assert run(spatial_sigmas=[1, 2.5]).report["candidates"] == ["input", "sigma_s=1", "sigma_s=2.5"]
-    assert "Monte Carlo" in run(risk="monte-carlo").report["risk"]
+    assert len(run(filter="cross-bilateral", bank="intermediate").report["candidates"]) == 4
+    scales = run(filter="cross-bilateral", spatial_sigmas=[1, 2.5]).report["candidates"]
+    assert scales == ["input", "sigma_s=1", "sigma_s=2.5"]
+    assert [share["name"] for share in run(filter="gaussian,atrous").report["filters"]] == ["gaussian", "atrous"]
+    assert [share["name"] for share in run(threads=1, quality="fast").report["filters"]] == ["atrous-sure"]
+    assert "Monte Carlo" in run(risk="monte-carlo").report["filters"][0]["risk"]
     assert not np.array_equal(run(feature_sigmas={"albedo": 0}).colour, plain.colour)
     assert not np.array_equal(run(filter="cross-nlm", window_radius=3).colour, run(filter="cross-nlm").colour)
     assert np.array_equal(run(threads=1, tile_width=16, tile_height=4).colour, plain.colour)
@@ -183,7 +186,8 @@ def test_reports():
         ({"risk": "none"}, "monte-carlo"),
         ({"strength": 2}, "strength is 2"),
         ({"strength": None}, "strength is neither"),
-        ({"order": "1"}, "'cross-bilateral' has no option order"),
+        ({"filter": "gaussian", "order": "1"}, "'gaussian' has no option order"),
+        ({"filter": "gaussian", "quality": "fast"}, "leave out filter, or quality"),
         ({"feature_sigmas": {"depth": 1}}, "no feature 'depth'"),
     ],
 )

@@ -106,6 +106,11 @@ TEST_CASE("C: frames refuse sizes, planes, types and strides that cannot be") {
   check_failure(with(3, 0, 0), STEIN_INVALID_ARGUMENT, {"type 3", "STEIN_FLOAT16"});
   check_failure(with(STEIN_FLOAT32, 3, 0), STEIN_INVALID_ARGUMENT, {"plane 'R'", "pixel stride is 3", "bytes"});
   check_failure(with(STEIN_FLOAT32, 4, -2), STEIN_INVALID_ARGUMENT, {"row stride is -2"});
+  constexpr ptrdiff_t kLeast = std::numeric_limits<ptrdiff_t>::min();
+  check_failure(with(STEIN_FLOAT32, kLeast, 0), STEIN_INVALID_ARGUMENT,
+                {"pixel stride is -92", "more than any memory"});
+  check_failure(with(STEIN_FLOAT32, 0, kLeast), STEIN_INVALID_ARGUMENT, {"row stride is -92", "more than any memory"});
+  check_failure(with(STEIN_FLOAT32, ptrdiff_t{1} << 40, 0), STEIN_INVALID_ARGUMENT, {"row stride is 4398046511104"});
   CHECK(with(STEIN_FLOAT16, 2, -8) == STEIN_OK);
 }
 

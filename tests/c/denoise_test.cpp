@@ -69,7 +69,12 @@ TEST_CASE("C: all planes and the report are bit for bit those of stein::denoise"
   CHECK(number(result.get(), "invalid_pixels") == 0);
   CHECK(texts(result.get(), "candidate") == expected.report.candidates);
   CHECK(texts(result.get(), "warning") == expected.report.warnings);
-  CHECK(texts(result.get(), "risk") == std::vector<std::string>{expected.report.risk, expected.report.risk_reason});
+  REQUIRE(texts(result.get(), "filter").size() == expected.report.filters.size());
+  for (std::size_t f = 0; f < expected.report.filters.size(); ++f) {
+    CHECK(texts(result.get(), "filter")[f] == expected.report.filters[f].name);
+    CHECK(texts(result.get(), "risk")[f] == expected.report.filters[f].risk);
+    CHECK(texts(result.get(), "risk_reason")[f] == expected.report.filters[f].risk_reason);
+  }
 }
 
 TEST_CASE("C: planes of features' variances and covariances, and of counts, arrive where they belong") {
@@ -98,7 +103,7 @@ TEST_CASE("C: planes of features' variances and covariances, and of counts, arri
   frame.sample_count = ConstPlaneView(counts.data(), ScalarType::kUint32, Scene::kWidth, Scene::kHeight);
   REQUIRE(stein_frame_set_plane(c_frame.get(), "sampleCount", STEIN_UINT32, counts.data(), 0, 0) == STEIN_OK);
   DenoiseParams cross_nlm;
-  cross_nlm.filter = CrossNlmParams{};
+  cross_nlm.filters = {CrossNlmParams{}};
   const auto result = run(c_frame.get(), params.get());
   check_same(result.get(), denoise(frame, cross_nlm));
   // Mixed up they would make another result.
@@ -146,7 +151,7 @@ TEST_CASE("C: options change what they say") {
   CrossNlmParams filter = intermediate_cross_nlm();
   filter.guides.feature_sigmas = {{"albedo", 0.5F}};
   DenoiseParams expected;
-  expected.filter = filter;
+  expected.filters = {filter};
   expected.selection = Selection::kArgmin;
   expected.risk = Risk::kMonteCarlo;
   expected.strength = 0.75F;
@@ -166,7 +171,7 @@ TEST_CASE("C: options of the regression") {
   filter.orders = {1};
   filter.error = OrderError::kTaylor;
   DenoiseParams expected;
-  expected.filter = filter;
+  expected.filters = {filter};
   check_same(run(scene.c_frame().get(), params.get()).get(), denoise(scene.frame(), expected));
 }
 
@@ -179,8 +184,10 @@ TEST_CASE("C: an option set back to its default gives the default's result") {
   CHECK(copied(run(frame.get(), params.get()).get(), "R") != by_default);
   REQUIRE(stein_params_set_text(params.get(), "bank", "final") == STEIN_OK);
   CHECK(copied(run(frame.get(), params.get()).get(), "R") == by_default);
-  REQUIRE(stein_params_set_number(params.get(), "range-sigma", 0.2) == STEIN_OK);
+  REQUIRE(stein_params_set_number(params.get(), "window-radius", 3) == STEIN_OK);
   CHECK(copied(run(frame.get(), params.get()).get(), "R") != by_default);
+  REQUIRE(stein_params_set_text(params.get(), "quality", "default") == STEIN_OK);
+  CHECK(copied(run(frame.get(), params.get()).get(), "R") == by_default);
 }
 
 TEST_CASE("C: the callback sees the progress, and cancels") {

@@ -86,12 +86,18 @@ TEST_CASE("denoise: parameters reach the filter") {
     return read_channel(folder / "clean.exr", "R") != plain;
   };
   CHECK(changes({"--bank", "intermediate"}));
-  CHECK(changes({"--range-sigma", "0.1"}));
+  CHECK(changes({"--filter", "cross-bilateral"}));
+  CHECK(changes({"--filter", "adaptive-order,gaussian"}));
+  CHECK(changes({"--quality", "fast"}));
   CHECK(changes({"--feature-sigma", "normal=0,albedo=0"}));
   CHECK(changes({"--selection", "argmin"}));
   CHECK(changes({"--strength", "0.5"}));
-  CHECK_FALSE(changes({"--filter", "cross-bilateral", "--bank", "final", "--selection", "evidence"}));
+  CHECK_FALSE(changes({"--filter", "auto", "--quality", "default", "--bank", "final", "--selection", "evidence"}));
   CHECK_FALSE(changes({"--threads", "2", "--tile", "16x8"}));
+  denoise(folder, {"--filter", "cross-bilateral"});
+  const std::vector<float> bilateral = read_channel(folder / "clean.exr", "R");
+  denoise(folder, {"--filter", "cross-bilateral", "--range-sigma", "0.1"});
+  CHECK(read_channel(folder / "clean.exr", "R") != bilateral);
 }
 
 TEST_CASE("denoise: the order of a regression is that of all fits, or differs from pixel to pixel") {
@@ -136,8 +142,10 @@ TEST_CASE("denoise: every filter runs with every risk that it has, and the repor
     std::ifstream file(folder / "report.json");
     const nlohmann::json report = nlohmann::json::parse(file);
     CHECK(report.at("filter") == k.options[1]);
-    CHECK(report.at("risk") == k.risk);
-    CHECK_FALSE(report.at("risk_reason").get<std::string>().empty());
+    const nlohmann::json& filter = report.at("filters").at(0);
+    CHECK(filter.at("name") == k.options[1]);
+    CHECK(filter.at("risk") == k.risk);
+    CHECK_FALSE(filter.at("risk_reason").get<std::string>().empty());
     for (const char* name : {"error.R", "choice.V", "density.V"}) CHECK(has_channel(folder / "clean.exr", name));
   }
 }
@@ -153,7 +161,8 @@ TEST_CASE("denoise: a risk that filter or file do not allow is an error that say
     CHECK_FALSE(std::filesystem::exists(folder / "clean.exr"));
     return outcome.err;
   };
-  CHECK(refusal({"--risk", "joint"}).find("covariances of the colour with") != std::string::npos);
+  CHECK(refusal({"--filter", "cross-bilateral", "--risk", "joint"}).find("covariances of the colour with") !=
+        std::string::npos);
   CHECK(refusal({"--filter", "atrous", "--risk", "sure"}).find("no risk in closed form") != std::string::npos);
   CHECK(refusal({"--risk", "monte-carlo", "--draws", "0"}).find("draws") != std::string::npos);
 }
@@ -165,6 +174,15 @@ TEST_CASE("denoise: a file without a sample count needs --samples") {
   write(folder / "noisy.exr", image);
   denoise(folder, {"--samples", "8"});
   CHECK(has_channel(folder / "clean.exr", "error.R"));
+  const std::vector<float> density = read_channel(folder / "clean.exr", "density.V");
+  image.values["spp"] = std::vector<float>(std::size_t{kWidth} * kHeight, 8.0F);
+  write(folder / "noisy.exr", image);
+  denoise(folder, {"--samples", "spp"});
+  CHECK(read_channel(folder / "clean.exr", "density.V") == density);
+  image.at("spp", 3, 3) = 800.0F;
+  write(folder / "noisy.exr", image);
+  denoise(folder, {"--samples", "spp"});
+  CHECK(read_channel(folder / "clean.exr", "density.V") != density);
 }
 
 TEST_CASE("denoise: the report holds what was done") {
@@ -197,9 +215,14 @@ TEST_CASE("denoise: the report holds what was done") {
         Approx(seconds.at("read").get<double>() + seconds.at("compute").get<double>() +
                seconds.at("write").get<double>()));
   CHECK_FALSE(seconds.at("stages").empty());
-  for (const char* name : {"version", "risk", "instruction_set", "filter"}) {
+  for (const char* name : {"version", "instruction_set", "filter"}) {
     CHECK_FALSE(report.at(name).get<std::string>().empty());
   }
+  double weights = 0;
+  for (const nlohmann::json& filter : report.at("filters")) weights += filter.at("weight").get<double>();
+  CHECK(report.at("filters").size() > 1);
+  CHECK(weights > 0.5);
+  CHECK(weights < 1.0 + 1e-5);
   CHECK(report.at("warnings").is_array());
   CHECK(report.at("missing").is_array());
 }
@@ -212,7 +235,7 @@ TEST_CASE("denoise: progress in lines, and a summary, unless --quiet") {
   std::istringstream lines(loud.err);
   std::vector<int> percents;
   for (std::string line; std::getline(lines, line);) {
-    if (line.back() == '%') {
+    if (line.find('%') != std::string::npos) {
       percents.push_back(std::stoi(line));
     }
   }

@@ -21,7 +21,8 @@
 namespace {
 
 constexpr int kPipeSize = 4096;
-constexpr int kRoomForTwoLines = 7;  // "0%\n" and "NN%\n"
+constexpr int kRoom = 20;     // for less than all lines of a run, however short they are
+constexpr int kTwoLines = 7;  // "0%\n" and "NN%\n" at the least
 
 void require(bool condition, const char* what) {
   if (!condition) {
@@ -35,7 +36,8 @@ std::string read_file(const std::string& path) {
 }
 
 // Never returns. Only what is safe after a fork.
-[[noreturn]] void become_stein(char* const* arguments, int out, int err, long file_size_limit) {
+[[noreturn]] void become_stein(char* const* arguments, int out, int err, long file_size_limit, const char* folder) {
+  if (chdir(folder) != 0) _exit(126);
   dup2(out, STDOUT_FILENO);
   dup2(err, STDERR_FILENO);
   if (file_size_limit > 0) {
@@ -48,7 +50,8 @@ std::string read_file(const std::string& path) {
   _exit(127);
 }
 
-pid_t start(const std::vector<std::string>& arguments, int out, int err, long file_size_limit) {
+pid_t start(const std::vector<std::string>& arguments, int out, int err, long file_size_limit,
+            const std::string& folder = ".") {
   std::vector<std::string> texts = {"stein"};
   texts.insert(texts.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
@@ -60,7 +63,7 @@ pid_t start(const std::vector<std::string>& arguments, int out, int err, long fi
   const pid_t process = fork();
   require(process >= 0, "fork failed");
   if (process == 0) {
-    become_stein(pointers.data(), out, err, file_size_limit);
+    become_stein(pointers.data(), out, err, file_size_limit, folder.c_str());
   }
   return process;
 }
@@ -69,17 +72,17 @@ int open_for_output(const std::string& path) { return open(path.c_str(), O_WRONL
 
 }  // namespace
 
-Outcome run_stein(const std::vector<std::string>& arguments, long file_size_limit) {
-  const TemporaryFolder folder;
-  const int out = open_for_output(folder / "out");
-  const int err = open_for_output(folder / "err");
-  const pid_t process = start(arguments, out, err, file_size_limit);
+Outcome run_stein(const std::vector<std::string>& arguments, long file_size_limit, const std::string& folder) {
+  const TemporaryFolder texts;
+  const int out = open_for_output(texts / "out");
+  const int err = open_for_output(texts / "err");
+  const pid_t process = start(arguments, out, err, file_size_limit, folder);
   close(out);
   close(err);
   int status = 0;
   require(waitpid(process, &status, 0) == process, "waitpid failed");
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, WIFSIGNALED(status) ? WTERMSIG(status) : 0,
-          read_file(folder / "out"), read_file(folder / "err")};
+          read_file(texts / "out"), read_file(texts / "err")};
 }
 
 HaltedProgram::HaltedProgram(const std::vector<std::string>& arguments) {
@@ -87,7 +90,7 @@ HaltedProgram::HaltedProgram(const std::vector<std::string>& arguments) {
   require(pipe2(ends.data(), O_CLOEXEC) == 0, "no pipe");
   pipe_ = ends[0];
   require(fcntl(ends[1], F_SETPIPE_SZ, kPipeSize) == kPipeSize, "no pipe of one page");
-  const std::string filling(kPipeSize - kRoomForTwoLines, '.');
+  const std::string filling(kPipeSize - kRoom, '.');
   require(write(ends[1], filling.data(), filling.size()) == static_cast<ssize_t>(filling.size()),
           "cannot fill the pipe");
   const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
@@ -108,7 +111,7 @@ bool HaltedProgram::wait_for_progress() {
   while (!has_ended()) {
     int waiting = 0;
     require(ioctl(pipe_, FIONREAD, &waiting) == 0, "cannot look at the pipe");
-    if (waiting == kPipeSize) {
+    if (waiting >= kPipeSize - kRoom + kTwoLines) {
       return true;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(2));

@@ -17,11 +17,13 @@ struct Outcome {
   std::string err;
 };
 
-/// Runs `stein arguments...` to its end. A file size limit above 0 makes writes fail beyond that many bytes.
-[[nodiscard]] Outcome run_stein(const std::vector<std::string>& arguments, long file_size_limit = 0);
+/// Runs `stein arguments...` to its end. A file size limit above 0 makes writes fail beyond that many bytes. `folder`:
+/// to run it in.
+[[nodiscard]] Outcome run_stein(const std::vector<std::string>& arguments, long file_size_limit = 0,
+                                const std::string& folder = ".");
 
-/// The program with standard error going to a pipe of one page that is nearly full: it halts at the progress line
-/// after the first two, until `drain`. So a test can act in the middle of a run, however fast the machine.
+/// The program with standard error going to a pipe of one page that is nearly full: it halts at one of the progress
+/// lines after the first two, until `drain`. So a test can act in the middle of a run, however fast the machine.
 class HaltedProgram {
  public:
   explicit HaltedProgram(const std::vector<std::string>& arguments);
@@ -29,7 +31,7 @@ class HaltedProgram {
   HaltedProgram& operator=(const HaltedProgram&) = delete;
   ~HaltedProgram();
 
-  /// Returns once two lines ("0%" and one of two digits) were written; false if the program ended before.
+  /// Returns once two lines were written; false if the program ended before.
   [[nodiscard]] bool wait_for_progress();
   void send(int signal) const;
   /// Whether the program has ended; if so `outcome` is valid.

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "catch.hpp"
+#include "conformance/specs.hpp"
 #include "support/half_views.hpp"
 #include "support/synthetic.hpp"
 
@@ -60,19 +61,8 @@ int colours_in(const std::string& name) {
   return 0;
 }
 
-// A window of hundreds of pixels tests nothing that a smaller one does not.
-FilterSpec in_small_window(FilterSpec spec) {
-  std::visit(
-      [](auto& params) {
-        if constexpr (requires { params.window_radius; }) params.window_radius = 6;
-      },
-      spec);
-  return spec;
-}
-
 std::vector<FilterSpec> specs() {
-  std::vector<FilterSpec> all;
-  for (const std::string_view name : filter_names()) all.push_back(in_small_window(make_filter(name)));
+  std::vector<FilterSpec> all = listed_specs();
   CrossBilateralParams with_range;
   with_range.range_sigma = 0.5F;
   all.emplace_back(with_range);

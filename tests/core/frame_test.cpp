@@ -79,21 +79,34 @@ TEST_CASE("Planes of another size are named with both sizes") {
       {[](Frame& f) -> ConstPlaneView& { return f.features[0].variance[2]; }, "'normal.variance.Z'"},
       {[](Frame& f) -> ConstPlaneView& { return f.features[0].colour_covariance[4]; }, "'covariance.G.normal.Y'"},
       {[](Frame& f) -> ConstPlaneView& { return f.features[1].mean[0]; }, "'depth.Z'"},
-      {[](Frame& f) -> ConstPlaneView& { return f.alpha; }, "'A'"},
   };
   for (const auto& plane : planes) {
     require_refused([&](Scene& s) { plane.first(s.frame) = wrong(s); }, {plane.second, "5x5", "5x4"});
   }
   require_refused(
       [&](Scene& s) {
-        s.frame.extra_layers = {{"key", {s.plane(1), wrong(s), s.plane(1)}}};
+        s.frame.layers = {{"key", {s.plane(1), wrong(s), s.plane(1)}}};
       },
       {"'key.G'", "5x5"});
-  require_refused(
-      [&](Scene& s) {
-        s.frame.extra_layers = {{"key", {s.plane(1), {}, s.plane(1)}}};
-      },
-      {"'key.G'", "missing"});
+  require_refused([&](Scene& s) { s.frame.layers = {{"key", {s.plane(1), {}, s.plane(1)}}}; }, {"'key.G'", "missing"});
+  require_refused([&](Scene& s) { s.frame.layers = {{"A", {wrong(s)}}}; }, {"'A'", "5x5"});
+}
+
+TEST_CASE("Layers must be named once, with one channel or three") {
+  const auto refuse = [](const std::vector<std::pair<std::string, std::size_t>>& layers,
+                         const std::vector<std::string_view>& parts) {
+    require_refused(
+        [&](Scene& s) {
+          for (const auto& [name, channels] : layers)
+            s.frame.layers.push_back({name, std::vector<ConstPlaneView>(channels, s.plane(1))});
+        },
+        parts);
+  };
+  refuse({{"key", 0}}, {"'key'", "0 channels"});
+  refuse({{"key", 2}}, {"'key'", "2 channels"});
+  refuse({{"key", 4}}, {"'key'", "4 channels"});
+  refuse({{"", 1}}, {"no name"});
+  refuse({{"key", 3}, {"key", 1}}, {"'key'", "unique"});
 }
 
 TEST_CASE("The number of samples must be known") {
@@ -128,7 +141,7 @@ TEST_CASE("Messages name the origin of the frame") {
         s.frame.origin = "shot.0042.exr";
         s.frame.colour[0] = {};
       },
-      {"shot.0042.exr: "});
+      {"'shot.0042.exr': "});
 }
 
 TEST_CASE("Planes are named as in files") {

@@ -20,10 +20,10 @@ template <class Params>
 Params filter_after(const std::vector<std::pair<std::string, std::string>>& texts,
                     const std::vector<std::pair<std::string, double>>& numbers) {
   DenoiseParams params;
-  params.filter = Params{};
+  params.filters = {Params{}};
   for (const auto& [name, text] : texts) stein::set_option(params, name, text);
   for (const auto& [name, number] : numbers) stein::set_option(params, name, number);
-  return std::get<Params>(params.filter);
+  return std::get<Params>(params.filters.front());
 }
 
 /// The message of the error that the call throws; empty if it throws none.
@@ -120,6 +120,7 @@ TEST_CASE("Options of the rest set the parameters of their names") {
 
 TEST_CASE("Options that cannot be are refused with what can") {
   DenoiseParams params;
+  params.filters = {stein::CrossBilateralParams{}};
   const auto text = [&](const std::string& name, const std::string& value) {
     return refusal([&] { stein::set_option(params, name, value); });
   };

@@ -55,8 +55,7 @@ TEST_CASE("a layer is a feature by its name or by its variance") {
   CHECK(frame.features[1].name == "left.gloss");
   CHECK(holds(frame.features[1].variance[1], "left.gloss.variance.v"));
   CHECK(frame.features[2].name == "roughness");
-  CHECK_FALSE(frame.alpha);
-  CHECK(frame.extra_layers.empty());
+  CHECK(frame.layers.empty());
   CHECK(role(loaded, "visibility.V") == "feature visibility, mean");
   CHECK(role(loaded, "left.gloss.variance.u") == "feature left.gloss, variance of the mean");
   CHECK(role(loaded, "variance.R") == "colour, variance of the mean");
@@ -75,11 +74,13 @@ TEST_CASE("alpha and colour layers come along when asked for") {
   write_file(folder / "in.exr",
              {{"", colour_channels() + layer("key", "RGBA", Imf::HALF) + layer("id", "XY", Imf::HALF) +
                        layer("noisy", "RGB", Imf::HALF) + std::vector<ChannelSpec>{{"A", Imf::HALF}}}});
-  const LoadedFrame loaded = read_frame(folder / "in.exr", {.read_extra_layers = true});
-  CHECK(holds(loaded.frame().alpha, "A"));
-  REQUIRE(loaded.frame().extra_layers.size() == 1);
-  CHECK(loaded.frame().extra_layers[0].name == "key");
-  CHECK(holds(loaded.frame().extra_layers[0].mean[2], "key.B"));
+  const LoadedFrame loaded = read_frame(folder / "in.exr", {.layers = {"all"}});
+  const std::vector<stein::Layer>& layers = loaded.frame().layers;
+  REQUIRE(layers.size() == 2);
+  CHECK(layers[0].name == "key");
+  CHECK(holds(layers[0].mean.at(2), "key.B"));
+  CHECK(layers[1].name == "A");
+  CHECK(holds(layers[1].mean.at(0), "A"));
 }
 
 TEST_CASE("components come in conventional order, whatever their case") {

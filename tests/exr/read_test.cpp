@@ -164,7 +164,7 @@ TEST_CASE("a feature with another data window is refused, an unrelated part is n
   write_file(folder / "in.exr", {{"main", colour_channels()}, {name, layer("", "RGB", Imf::HALF), {0, 0, 10, 10}}});
   if (name == "matte") {
     CHECK(read_frame(folder / "in.exr").frame().features.empty());
-    CHECK(read_frame(folder / "in.exr", {.read_extra_layers = true}).frame().extra_layers.empty());
+    CHECK(read_frame(folder / "in.exr", {.layers = {"all"}}).frame().layers.empty());
   } else {
     expect_error(ErrorCode::kInvalidFrame, {"in.exr", "albedo", "data window"},
                  [&] { (void)read_frame(folder / "in.exr"); });

@@ -22,7 +22,6 @@ using stein::Feature;
 using stein::Frame;
 using stein::Plane;
 using stein::exr::LoadedFrame;
-using stein::exr::PlaneMap;
 using stein::exr::read_frame;
 using stein::exr::VarianceOf;
 
@@ -267,29 +266,6 @@ TEST_CASE("Arnold and RenderMan") {
     CHECK(feature(loaded.frame(), "depth").mean[0].at(0, 0) == 5);
     CHECK(feature(loaded.frame(), "depth").variance[0].at(0, 0) == 4);
   }
-}
-
-TEST_CASE("what the caller says stands above the schema") {
-  const TemporaryFolder folder;
-  const std::string path = folder / "in.exr";
-  write_file(path, {{"", fixture::native_channels() + layer("Beauty", "RGB", Imf::FLOAT) +
-                             layer("Noise", "RGB", Imf::FLOAT) + std::vector<ChannelSpec>{{"spp", Imf::FLOAT}}}});
-  const PlaneMap colour{"colour", {"Beauty.R", "Beauty.G", "Beauty.B"}, {"Noise.R", "Noise.G", "Noise.B"}};
-  const PlaneMap albedo{"albedo", {"Beauty.G", "normal.X"}, {}};
-  const LoadedFrame loaded = read_frame(path, {.maps = {colour, albedo, {"samples", {"spp"}, {}}}});
-  CHECK(holds(loaded.frame().colour[1], "Beauty.G"));
-  CHECK(holds(loaded.frame().colour_variance[2], "Noise.B"));
-  CHECK(holds(loaded.frame().sample_count, "spp"));
-  REQUIRE(feature(loaded.frame(), "albedo").mean.size() == 2);
-  CHECK(feature(loaded.frame(), "albedo").variance.empty());
-  expect_error(ErrorCode::kInvalidArgument, {path, "Glow.R", "Beauty.B"}, [&] {
-    (void)read_frame(path, {.maps = {{"glow", {"Glow.R"}, {}}}});
-  });
-  expect_error(ErrorCode::kInvalidArgument, {"colour", "2 channels"}, [&] {
-    (void)read_frame(path, {.maps = {{"colour", {"R", "G"}, {}}}});
-  });
-  expect_error(ErrorCode::kInvalidArgument, {"povray", "pbrt"}, [&] { (void)read_frame(path, {.preset = "povray"}); });
-  expect_error(ErrorCode::kInvalidArgument, {path, "cycles"}, [&] { (void)read_frame(path, {.preset = "cycles"}); });
 }
 
 TEST_CASE("variances against the schema") {

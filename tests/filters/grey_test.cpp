@@ -116,7 +116,7 @@ TEST_CASE("grey image: stays grey and finite, less noisy, and knows the error th
   for (const FilterSpec& spec : banks()) {
     CAPTURE(filter_name(spec));
     DenoiseParams params;
-    params.filter = spec;
+    params.filters = {spec};
     const DenoiseResult result = denoise(grey_of(red.frame()), params);
     CHECK(difference(result.colour, result.colour[0]) == 0);
     CHECK(difference(result.error, result.error[0]) < 1e-6);
@@ -128,7 +128,7 @@ TEST_CASE("grey image: stays grey and finite, less noisy, and knows the error th
         estimate += result.error[0].row(y)[x] / (kWidth * kHeight);
       }
     }
-    CAPTURE(result.report.risk, error, estimate);
+    CAPTURE(result.report.filters.front().risk, error, estimate);
     CHECK(error < 0.1 * 0.003);  // of the input's
     CHECK(estimate > 0.4 * error);
     CHECK(estimate < error / 0.4);

@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "input.hpp"
+#include "look_at.hpp"
 #include "stein/error.hpp"
 #include "stein/exr.hpp"
 #include "stein/exr_samples.hpp"
@@ -43,26 +45,6 @@ class MemoryFile {
   std::string path_;
 };
 
-/// Every pixel of every plane is read once: the sanitizers see what was never written or lies outside.
-float sum_of(const stein::ConstPlaneView& view) {
-  float sum = 0;
-  for (int y = 0; y < view.height(); ++y) {
-    for (int x = 0; x < view.width(); ++x) sum += view.at(x, y);
-  }
-  return sum;
-}
-
-void look_at(const stein::Frame& frame) {
-  volatile float sum = 0;
-  for (std::size_t c = 0; c < 3; ++c) sum = sum_of(frame.colour[c]) + sum_of(frame.colour_variance[c]);
-  for (const stein::Feature& feature : frame.features) {
-    for (const auto& view : feature.mean) sum = sum_of(view);
-    for (const auto& view : feature.variance) sum = sum_of(view);
-    for (const auto& view : feature.colour_covariance) sum = sum_of(view);
-  }
-  static_cast<void>(sum);
-}
-
 void rewrite(const stein::exr::LoadedFrame& loaded) {
   static const std::string target =
       (std::filesystem::temp_directory_path() / ("stein-fuzz-" + std::to_string(::getpid()) + ".exr")).string();
@@ -80,9 +62,8 @@ void rewrite(const stein::exr::LoadedFrame& loaded) {
 
 void read_planes(const std::string& path) {
   try {
-    const stein::exr::LoadedFrame loaded =
-        stein::exr::read_frame(path, {.samples_per_pixel = 4, .read_extra_layers = true});
-    look_at(loaded.frame());
+    const stein::exr::LoadedFrame loaded = stein::exr::read_frame(path, {.samples_per_pixel = 4, .layers = {"all"}});
+    stein::fuzz::look_at(loaded.frame());
     // Small images are enough to reach all of the writer.
     if (loaded.frame().width * static_cast<std::int64_t>(loaded.frame().height) < 100'000) rewrite(loaded);
   } catch (const stein::Error&) {
@@ -106,9 +87,7 @@ void read_samples(const std::string& path) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size);
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   static MemoryFile file;
   const std::string& path = file.fill(bytes, size);
   read_planes(path);

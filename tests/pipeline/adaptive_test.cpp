@@ -146,7 +146,7 @@ TEST_CASE("adaptive loop: less error than the same samples spread evenly, for th
 TEST_CASE("adaptive loop: a regression drives it, by either density") {
   const std::int64_t budget = 32 * Renderer::kPixels;
   AdaptiveParams params = params_of(budget);
-  params.denoise.filter = AdaptiveOrderParams{};
+  params.denoise.filters = {AdaptiveOrderParams{}};
   params.intermediate = intermediate_adaptive_order();
   double adaptive = 0;
   double reduction = 0;

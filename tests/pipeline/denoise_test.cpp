@@ -46,6 +46,13 @@ struct Scene {
   }
 };
 
+// A single filter, whose result is that of its candidates.
+DenoiseParams bank() {
+  DenoiseParams params;
+  params.filters = {CrossBilateralParams{}};
+  return params;
+}
+
 std::string message_of(const Frame& frame, const DenoiseParams& params, ErrorCode code) {
   try {
     (void)denoise(frame, params);
@@ -60,7 +67,7 @@ std::string message_of(const Frame& frame, const DenoiseParams& params, ErrorCod
 
 TEST_CASE("denoise: removes most of the noise, keeps the edge, and knows the error that is left") {
   const Scene scene(0.2);
-  const DenoiseResult result = denoise(scene.frame.frame());
+  const DenoiseResult result = denoise(scene.frame.frame(), bank());
   const double left = scene.mse(result);
   CHECK(left < 0.04 / 15);
   CHECK(result.report.mean_error[1] == Approx(left).margin(0.0012));
@@ -74,7 +81,7 @@ TEST_CASE("denoise: converges to the input as the variance vanishes") {
   double last = 1;
   for (const double deviation : {0.1, 0.01, 0.001, 0.0001}) {
     const Scene scene(deviation);
-    const double left = scene.mse(denoise(scene.frame.frame()));
+    const double left = scene.mse(denoise(scene.frame.frame(), bank()));
     CHECK(left < 1.05 * deviation * deviation);
     CHECK(left < last);
     last = left;
@@ -83,7 +90,7 @@ TEST_CASE("denoise: converges to the input as the variance vanishes") {
 
 TEST_CASE("denoise: strength 0 is the input to the bit, and the error that of the mix") {
   const Scene scene(0.2);
-  DenoiseParams params;
+  DenoiseParams params = bank();
   params.strength = 0.0F;
   const DenoiseResult result = denoise(scene.frame.frame(), params);
   for (int y = 0; y < Scene::kHeight; ++y) {
@@ -97,7 +104,7 @@ TEST_CASE("denoise: strength 0 is the input to the bit, and the error that of th
 
 TEST_CASE("denoise: argmin picks one entry a pixel and evidence is at least as good here") {
   const Scene scene(0.2);
-  DenoiseParams params;
+  DenoiseParams params = bank();
   params.selection = Selection::kArgmin;
   const DenoiseResult hard = denoise(scene.frame.frame(), params);
   params.selection = Selection::kEvidence;
@@ -115,15 +122,15 @@ TEST_CASE("denoise: an invalid pixel leaves no halo and is counted") {
   broken.frame.at("R", 30, 40) = std::numeric_limits<float>::infinity();
   broken.frame.at("variance.G", 31, 40) = -1.0F;
   broken.frame.at("sampleCount", 90, 10) = 0.0F;
-  const DenoiseResult expected = denoise(clean.frame.frame());
-  const DenoiseResult result = denoise(broken.frame.frame());
+  const DenoiseResult expected = denoise(clean.frame.frame(), bank());
+  const DenoiseResult result = denoise(broken.frame.frame(), bank());
   CHECK(result.report.frame.invalid_pixels == 3);
   CHECK(result.report.warnings.size() >= 1);
   for (int y = 0; y < Scene::kHeight; ++y) {
     for (int x = 0; x < Scene::kWidth; ++x)
       CHECK(result.colour[0].row(y)[x] == Approx(expected.colour[0].row(y)[x]).margin(0.1));
   }
-  DenoiseParams strict;
+  DenoiseParams strict = bank();
   strict.strict = true;
   const std::string message = message_of(broken.frame.frame(), strict, ErrorCode::kInvalidFrame);
   CHECK(message.find("sampleCount") != std::string::npos);  // the first in row order
@@ -138,12 +145,12 @@ TEST_CASE("denoise: a firefly is scaled down, a bright pixel that its samples su
     scene.frame.at(c, 50, 60) = 100.0F;  // all samples agree
     scene.frame.at(std::string("variance.") + c, 50, 60) = 0.0025F;
   }
-  const DenoiseResult result = denoise(scene.frame.frame());
+  const DenoiseResult result = denoise(scene.frame.frame(), bank());
   CHECK(result.report.outlier_pixels >= 1);
   CHECK(result.report.outlier_energy > 0);
   CHECK(result.colour[0].row(30)[30] < 1.0F);
   CHECK(result.colour[0].row(60)[50] > 50.0F);
-  DenoiseParams off;
+  DenoiseParams off = bank();
   off.outliers.enabled = false;
   const DenoiseResult kept = denoise(scene.frame.frame(), off);
   CHECK(kept.report.outlier_pixels == 0);
@@ -160,7 +167,7 @@ TEST_CASE("denoise: all pixels invalid is an error that says so") {
 
 TEST_CASE("denoise: parameters out of range are named") {
   const Scene scene(0.1);
-  DenoiseParams params;
+  DenoiseParams params = bank();
   params.strength = 1.5F;
   CHECK(message_of(scene.frame.frame(), params, ErrorCode::kInvalidArgument).find("strength") != std::string::npos);
   params = {};
@@ -182,7 +189,7 @@ TEST_CASE("denoise: parameters out of range are named") {
 TEST_CASE("denoise: progress rises to 1 and cancelling stops at once") {
   const Scene scene(0.1);
   double last = 0;
-  DenoiseParams params;
+  DenoiseParams params = bank();
   params.execution.progress = [&](double fraction) {
     CHECK(fraction >= last);
     CHECK(fraction <= 1.0);
@@ -209,7 +216,7 @@ TEST_CASE("denoise: the density is finite, has mean 1, and follows the noise") {
       }
     }
   }
-  const DenoiseResult result = denoise(scene.frame.frame());
+  const DenoiseResult result = denoise(scene.frame.frame(), bank());
   double sum = 0;
   double noisy = 0;
   double quiet = 0;
@@ -232,7 +239,7 @@ TEST_CASE("denoise: the density of error reduction is the relative error less, t
   for (int y = 0; y < Scene::kHeight; ++y) {
     for (int x = 0; x < Scene::kWidth; ++x) scene.frame.at("sampleCount", x, y) = x < 32 ? 4.0F : 64.0F;
   }
-  DenoiseParams params;
+  DenoiseParams params = bank();
   params.density.rule = DensityRule::kErrorReduction;
   params.density.dimensions = 4.0F;
   const DenoiseResult result = denoise(scene.frame.frame(), params);
@@ -257,7 +264,7 @@ TEST_CASE("denoise: the density of error reduction is the relative error less, t
 
 TEST_CASE("denoise: works in the caller's arena while other work waits there") {
   const Scene scene(0.1);
-  DenoiseParams params;
+  DenoiseParams params = bank();
   params.execution.threads = 0;
   const DenoiseResult a = denoise(scene.frame.frame(), params);
   params.execution.threads = 3;

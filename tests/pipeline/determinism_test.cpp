@@ -46,24 +46,28 @@ TEST_CASE("denoise: 1, 2 and 5 threads and three tile sizes give identical bits"
   frame.at("G", right - 31, bottom - 33) = std::numeric_limits<float>::quiet_NaN();
   frame.at("B", right - 30, bottom - 33) = std::numeric_limits<float>::quiet_NaN();
   DenoiseParams argmin;
+  argmin.filters = {CrossBilateralParams{}};
   argmin.selection = Selection::kArgmin;
   DenoiseParams monte_carlo;
+  monte_carlo.filters = {CrossBilateralParams{}};
   monte_carlo.risk = Risk::kMonteCarlo;
   monte_carlo.monte_carlo.draws = 2;
-  std::vector<DenoiseParams> all = {argmin, monte_carlo};
-  for (const std::string_view name : filter_names()) all.emplace_back().filter = make_filter(name);
+  DenoiseParams mixed;
+  mixed.filters = {CrossBilateralParams{}, AtrousSureParams{}};
+  std::vector<DenoiseParams> all = {argmin, monte_carlo, mixed};
+  for (const std::string_view name : filter_names()) all.emplace_back().filters = {make_filter(name)};
   for (DenoiseParams& params : all) {
-    if (auto* nlm = std::get_if<CrossNlmParams>(&params.filter)) nlm->window_radius = 4;  // time
-    if (auto* regression = std::get_if<AdaptiveOrderParams>(&params.filter)) regression->window_radius = 4;
+    if (auto* nlm = std::get_if<CrossNlmParams>(&params.filters.front())) nlm->window_radius = 4;  // time
+    if (auto* regression = std::get_if<AdaptiveOrderParams>(&params.filters.front())) regression->window_radius = 4;
     const DenoiseResult reference = denoise(frame.frame(), params);
     std::vector<std::tuple<int, int, int>> runs = all_filters_runs;
-    const bool has_more_runs = params.filter.index() == 0 && !(kIsSlow && params.risk == Risk::kMonteCarlo);
+    const bool has_more_runs = params.filters.front().index() == 0 && !(kIsSlow && params.risk == Risk::kMonteCarlo);
     if (has_more_runs) runs.insert(runs.end(), {{1, 16, 7}, {2, 64, 64}, {5, 64, 64}});
     for (const auto& [threads, width, height] : runs) {
       params.execution.threads = threads;
       params.execution.tile_width = width;
       params.execution.tile_height = height;
-      INFO(filter_name(params.filter) << ", " << threads << " threads, tiles of " << width << "x" << height);
+      INFO(filter_name(params.filters.front()) << ", " << threads << " threads, tiles of " << width << "x" << height);
       CHECK(same_bits(reference, denoise(frame.frame(), params)));
     }
   }
@@ -74,7 +78,7 @@ TEST_CASE("denoise: a filter of several passes in a window of rows gives the bit
   fill_random(frame, 32);
   frame.at("G", 10, 401) = std::numeric_limits<float>::quiet_NaN();
   DenoiseParams params;
-  params.filter = AtrousSureParams{};
+  params.filters = {AtrousSureParams{}};
   params.execution.tile_width = 512;
   params.execution.tile_height = 700;
   const DenoiseResult reference = denoise(frame.frame(), params);

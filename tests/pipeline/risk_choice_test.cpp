@@ -14,8 +14,7 @@ namespace {
 RiskChoice choice(const Frame& frame, Risk risk, const FilterSpec& filter = CrossBilateralParams{}) {
   DenoiseParams params;
   params.risk = risk;
-  params.filter = filter;
-  return choose_risk(frame, params);
+  return choose_risk(frame, filter, params);
 }
 
 bool has_warning(const std::vector<std::string>& warnings, const std::string& part) {
@@ -55,14 +54,13 @@ TEST_CASE("risk: the error by Taylor expansion stands in for the risk, and goes 
   OwnedFrame frame(8, 8, kUsualFeatures);
   DenoiseParams params;
   AdaptiveOrderParams regression;
-  params.filter = regression;
-  CHECK(choose_risk(frame.frame(), params).name == "joint SURE");
+  params.filters = {regression};
+  CHECK(choose_risk(frame.frame(), regression, params).name == "joint SURE");
   regression.error = OrderError::kTaylor;
-  params.filter = regression;
-  CHECK(choose_risk(frame.frame(), params).name == "Taylor expansion");
+  CHECK(choose_risk(frame.frame(), regression, params).name == "Taylor expansion");
   const auto refusal = [&]() -> std::string {
     try {
-      (void)choose_risk(frame.frame(), params);
+      (void)choose_risk(frame.frame(), regression, params);
     } catch (const Error& error) {
       CHECK(error.code() == ErrorCode::kInvalidArgument);
       return error.what();
@@ -74,6 +72,9 @@ TEST_CASE("risk: the error by Taylor expansion stands in for the risk, and goes 
   params.risk = Risk::kAuto;
   params.density.rule = DensityRule::kAllSamples;
   CHECK(refusal().find("the density of all samples") != std::string::npos);
+  params.density = {};
+  params.filters = {regression, GaussianParams{}};
+  CHECK(refusal().find("several filters") != std::string::npos);
 }
 
 TEST_CASE("risk: weights that do not depend on the colour need no covariance of its channels") {
@@ -121,6 +122,7 @@ TEST_CASE("risk: joint and Monte Carlo agree on the estimated error of a whole r
     scene.draw();
     for (const Risk risk : {Risk::kPlain, Risk::kJoint, Risk::kMonteCarlo}) {
       DenoiseParams params;
+      params.filters = {CrossBilateralParams{}};
       params.risk = risk;
       params.monte_carlo.draws = 2;
       params.monte_carlo.seed = static_cast<std::uint64_t>(i);

@@ -79,7 +79,7 @@ TEST_CASE("source: a pixel of a clean frame is seen as it is") {
   OwnedFrame frame(20, 6, {});
   fill_random(frame, 1);
   const Source source(frame.frame(), inspect(frame.frame()));
-  CHECK(source.replaced().empty());
+  CHECK(source.replaced().list().empty());
   for (const int lead : {0, 5}) {
     const float mean = frame.at("G", 7, 3);
     const float variance = frame.at("variance.G", 7, 3);
@@ -94,7 +94,7 @@ TEST_CASE("source: an invalid pixel has its fill for a colour, no variance and n
   frame.at("sampleCount", 19, 5) = 0.0F;
   frame.at("variance.B", 0, 0) = -1.0F;
   const Source source(frame.frame(), inspect(frame.frame()));
-  REQUIRE(source.replaced().size() == 3);
+  REQUIRE(source.replaced().list().size() == 3);
   for (std::size_t c = 0; c < 3; ++c) {
     CHECK(is_same(pixel_of(source, c, 7, 3, 0), {0.5F, 0.0F, 0.5F, 0.0F, 0.0F}));
     CHECK(is_same(pixel_of(source, c, 7, 3, 7), {0.5F, 0.0F, 0.5F, 0.0F, 0.0F}));
@@ -112,7 +112,7 @@ TEST_CASE("source: an outlier is filtered as scaled down, but stays itself in th
   frame.at("variance.R", 6, 2) = 400.0F;
   Source source(frame.frame(), inspect(frame.frame()));
   source.replace({{2, 0, {3.0F, 4.0F, 5.0F}, true}, {6, 2, {0.75F, 0.25F, 0.125F}, true}, {0, 5, {1, 1, 1}, true}});
-  REQUIRE(source.replaced().size() == 4);
+  REQUIRE(source.replaced().list().size() == 4);
   CHECK(is_same(pixel_of(source, 0, 6, 2, 4), {0.75F, 0.0F, 50.0F, 400.0F, 1.0F}));
   CHECK(is_same(pixel_of(source, 1, 6, 2, 0), {0.25F, 0.0F, 0.5F, 0.01F, 1.0F}));
   CHECK(is_same(pixel_of(source, 2, 2, 0, 1), {5.0F, 0.0F, 0.5F, 0.01F, 1.0F}));
@@ -120,8 +120,8 @@ TEST_CASE("source: an outlier is filtered as scaled down, but stays itself in th
   CHECK(pixel_of(source, 0, 4, 2, 4).mask == 0.0F);  // the fill is still there
   CHECK(pixel_of(source, 0, 4, 2, 4).colour == 0.5F);
   for (std::size_t i = 1; i < 4; ++i) {
-    const ReplacedPixel& p = source.replaced()[i - 1];
-    const ReplacedPixel& q = source.replaced()[i];
+    const ReplacedPixel& p = source.replaced().list()[i - 1];
+    const ReplacedPixel& q = source.replaced().list()[i];
     CHECK(std::pair(p.y, p.x) < std::pair(q.y, q.x));
   }
 }
@@ -202,7 +202,7 @@ TEST_CASE("source: a sample count that is no number does not spoil the features 
                               -5.0F, 0.0F};
   for (int i = 0; i < 5; ++i) frame.at("sampleCount", 2 + 3 * i, 1) = bad_counts[i];
   const Source source(frame.frame(), inspect(frame.frame()));
-  REQUIRE(source.replaced().size() == 5);
+  REQUIRE(source.replaced().list().size() == 5);
   const FeatureRow row = feature_row(source, 0, 1.0F, 1, 0, 20);
   for (std::size_t x = 0; x < 20; ++x) {
     CHECK(row.variance[x] >= 0.0F);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The stages of the method. Each works on tiles and reads what earlier ones left in windows of rows;
-// pipeline/denoise.cpp runs them.
+// From a filter's candidates to one picture: the stages that compare their risks, choose and mix. Each works on tiles
+// and reads what earlier ones left in windows of rows.
 #pragma once
 
 #include <memory>
@@ -10,32 +10,29 @@
 
 #include "exec/row_pipeline.hpp"
 #include "pipeline/filter_runs.hpp"
+#include "pipeline/mixture.hpp"
 #include "pipeline/survey.hpp"
 #include "select/guided_pass.hpp"
 #include "stein/denoise.hpp"
 
 namespace stein {
 
-/// Rows of the windows that hold what stages leave.
-[[nodiscard]] int window_rows(const DenoiseParams& params, Risk risk, const exec::RowPipelineGeometry& geometry);
+/// The halos of the stages.
+[[nodiscard]] std::vector<int> choice_halos(Selection selection);
 
 /// Entry 0 is the unfiltered input, entry k the filter's candidate k - 1.
-class Stages {
+class ChoiceStages {
  public:
   /// Everything referred to must outlive this. `prior`: what is known of the image as a whole; where there is none, the
   /// stages show their candidates to `surveyor`.
-  Stages(const Source& source, const DenoiseParams& params, FilterRuns& runs, const Survey* prior, Surveyor& surveyor,
-         const exec::RowPipelineGeometry& geometry, int ring_rows, int slots, DenoiseResult& result);
+  ChoiceStages(const Source& source, Selection selection, FilterRuns& runs, const Survey* prior, Surveyor& surveyor,
+               const exec::RowPipelineGeometry& geometry, int ring_rows, int slots, const Mixture& out);
 
   /// In the order in which they run. The stages refer to this object.
   [[nodiscard]] const std::vector<exec::RowStage>& list() const noexcept { return list_; }
 
-  /// Mean over pixels and channels of the estimated error over F^2 + 0.01, before smoothing, which would carry errors
-  /// of bright pixels to dark ones.
-  [[nodiscard]] double mean_relative_error() const;
-
  private:
-  using TileStep = void (Stages::*)(const Rect& tile, int slot);
+  using TileStep = void (ChoiceStages::*)(const Rect& tile, int slot);
 
   void plan();
   /// Appends a smoothing pass from maps to maps; `then` handles each finished tile.
@@ -49,18 +46,14 @@ class Stages {
   void square(const Rect& tile, int slot);
   void pick(const Rect& tile, int slot);
   void mix(const Rect& tile, int slot);
-  void finish(const Rect& tile, int slot);
 
-  void mix_row(const Rect& tile, int y, float* lines);
-  void add_relative_error(const Rect& tile, int y, const float* F, const float* risk);
-  void density_row(const Rect& tile, int y, float* lines);
   [[nodiscard]] float* lines_of(int slot) { return lines_[static_cast<std::size_t>(slot)].data(); }
 
   const Source& source_;
-  const DenoiseParams& params_;
+  Selection selection_;
   FilterRuns& runs_;
   exec::RowPipelineGeometry geometry_;
-  DenoiseResult& result_;
+  Mixture out_;
   int ring_rows_;
   int entries_;
   Surveyor* surveyor_;  // null where the image was surveyed before
@@ -73,9 +66,6 @@ class Stages {
   MapRows evidence_;                       // both smoothed
   MapRows choices_;                        // one map per entry: 1 for what was picked
   MapRows weights_;                        // the same, smoothed
-  MapRows raw_errors_;                     // risk of the mixture per channel, and its noise where the density wants it
-  MapRows errors_;                         // the same, smoothed
-  std::vector<double> relative_errors_;    // sums over blocks of 16 pixels of a row
   std::vector<std::vector<float>> lines_;  // per slot: rows as wide as a tile
   std::vector<exec::RowStage> list_;
 };

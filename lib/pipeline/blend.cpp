@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/blend.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/relative_risk.hpp"
+#include "select/selection.hpp"
+
+namespace stein {
+namespace {
+
+constexpr int kBlock = 16;           // px
+constexpr double kSigma = 2.0;       // blocks: how far around a block the risks count
+constexpr int kReach = 5;            // blocks
+constexpr double kImageShare = 0.3;  // of the image's mean risk, next to the mean around the block
+// A pixel whose relative risk is above this counts as much less: few pixels with wrong variances must not decide.
+constexpr float kLimit = 0.3F;
+
+// The residuals, divergences and weights of one row of a block, all channels one after the other.
+struct BlockRow {
+  int count = 0;  // pixels
+  float* residual[kMaxMixed];
+  float* divergence[kMaxMixed];
+  float* weight = nullptr;
+  float* variance = nullptr;
+};
+
+constexpr int kValues = 3 * kBlock;  // of a row
+constexpr int kBlockLines = 2 * kMaxMixed + 2;
+
+// Relative risk of a picture at a pixel of the row.
+float risk_at(const BlockRow& row, int picture, int x) {
+  float risk = 0;
+  for (int i = x; i < kValues; i += kBlock) {
+    const float r = row.residual[picture][i];
+    risk += row.weight[i] * (r * r + 2.0F * row.divergence[picture][i] - row.variance[i]);
+  }
+  return risk;
+}
+
+void add_row(const BlockRow& row, int pictures, const float* mask, MixtureRisk& sums) {
+  for (int x = 0; x < row.count; ++x) {
+    if (mask[x] == 0.0F) continue;
+    float largest = kLimit;
+    for (int k = 1; k < pictures; ++k) largest = std::max(largest, std::abs(risk_at(row, k, x)));
+    const float share = kLimit / largest;
+    sums.pixels += 1.0;
+    for (int i = x; i < kValues; i += kBlock) {
+      const double weight = share * row.weight[i];
+      for (int k = 0; k < pictures; ++k) {
+        sums.divergences[static_cast<std::size_t>(k)] += weight * row.divergence[k][i];
+        for (int l = 0; l <= k; ++l) {
+          sums.products[MixtureRisk::pair(k, l)] +=
+              weight * static_cast<double>(row.residual[k][i]) * static_cast<double>(row.residual[l][i]);
+        }
+      }
+    }
+  }
+}
+
+// Gaussian sums along one axis of the grid: `stride` from block to block, `length` of them.
+void blur_line(const MixtureRisk* in, std::ptrdiff_t stride, int length, MixtureRisk* out) {
+  for (int i = 0; i < length; ++i) {
+    MixtureRisk sum;
+    for (int j = std::max(i - kReach, 0); j <= std::min(i + kReach, length - 1); ++j) {
+      sum.add(in[j * stride], std::exp(-0.5 * (j - i) * (j - i) / (kSigma * kSigma)));
+    }
+    out[i * stride] = sum;
+  }
+}
+
+void blur(int columns, int rows, exec::Runner& runner, std::vector<MixtureRisk>& grid) {
+  std::vector<MixtureRisk> other(grid.size());
+  runner.for_each(rows, 0.0, [&](int y, int) {
+    blur_line(grid.data() + std::ptrdiff_t{y} * columns, 1, columns, other.data() + std::ptrdiff_t{y} * columns);
+  });
+  runner.for_each(columns, 0.0, [&](int x, int) { blur_line(other.data() + x, columns, rows, grid.data() + x); });
+}
+
+// Between which centres of blocks a pixel lies, and how far it is from the first.
+struct Between {
+  int first = 0;
+  int second = 0;
+  float share = 0;  // of the second
+};
+
+Between between(int pixel, int blocks) {
+  const float position = (static_cast<float>(pixel) + 0.5F) / kBlock - 0.5F;
+  const int first = static_cast<int>(std::floor(position));
+  return {std::clamp(first, 0, blocks - 1), std::clamp(first + 1, 0, blocks - 1), position - static_cast<float>(first)};
+}
+
+}  // namespace
+
+Blend::Blend(const Source& source, const LayerSource& layers, const std::vector<MixtureRows>& pictures,
+             exec::Runner& runner, double progress_weight)
+    : source_(source),
+      layers_(layers),
+      pictures_(pictures),
+      count_(1 + static_cast<int>(pictures.size())),
+      columns_((source.frame().width + kBlock - 1) / kBlock),
+      rows_((source.frame().height + kBlock - 1) / kBlock) {
+  const auto row_start = [&](int row) { return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_); };
+  std::vector<MixtureRisk> grid(row_start(rows_));
+  std::vector<std::vector<float>> lines(static_cast<std::size_t>(runner.slots()),
+                                        std::vector<float>(kBlockLines * kValues));
+  runner.for_each(rows_, progress_weight, [&](int row, int slot) {
+    for (int column = 0; column < columns_; ++column) {
+      grid[row_start(row) + static_cast<std::size_t>(column)] =
+          block_risk(column, row, lines[static_cast<std::size_t>(slot)].data());
+    }
+  });
+  MixtureRisk image;
+  for (const MixtureRisk& block : grid) image.add(block, 1.0);
+  blur(columns_, rows_, runner, grid);
+  weights_.resize(grid.size());
+  runner.for_each(rows_, 0.0, [&](int row, int) {
+    for (std::size_t block = row_start(row); block < row_start(row + 1); ++block) {
+      MixtureRisk& risk = grid[block];
+      if (image.pixels > 0) risk.add(image, kImageShare * risk.pixels / image.pixels);
+      weights_[block] = least_risk(risk.pixels > 0 ? risk : image, count_);
+    }
+  });
+}
+
+MixtureRisk Blend::block_risk(int column, int row, float* lines) const {
+  const Frame& frame = source_.frame();
+  const int x0 = column * kBlock;
+  BlockRow values;
+  values.count = std::min(kBlock, frame.width - x0);
+  values.weight = lines;
+  values.variance = lines + kValues;
+  for (int k = 0; k < count_; ++k) {
+    values.residual[k] = lines + (2 + 2 * k) * kValues;
+    values.divergence[k] = lines + (3 + 2 * k) * kValues;
+  }
+  float mean[kBlock] = {};
+  float mask[kBlock] = {};
+  MixtureRisk sums;
+  for (int y = row * kBlock; y < std::min((row + 1) * kBlock, frame.height); ++y) {
+    for (int c = 0; c < 3; ++c) {
+      const auto channel = static_cast<std::size_t>(c);
+      const int first = c * kBlock;
+      source_.input_row(channel, y, x0, values.count, mean, values.variance + first);
+      source_.colour_row(channel, y, x0, values.count, values.residual[0] + first);
+      source_.variance_row(channel, y, x0, values.count, values.divergence[0] + first);
+      for (int k = 1; k < count_; ++k) {
+        const MixtureRows& picture = pictures_[static_cast<std::size_t>(k - 1)];
+        std::copy_n(picture.result(c, y) + x0, values.count, values.residual[k] + first);
+        std::copy_n(picture.divergence(c, y) + x0, values.count, values.divergence[k] + first);
+      }
+      for (int x = 0; x < values.count; ++x) {
+        float scale = 0;
+        for (int k = 1; k < count_; ++k) scale += values.residual[k][first + x];
+        scale /= static_cast<float>(count_ - 1);
+        values.weight[first + x] = 1.0F / (3.0F * (scale * scale + kRelativeEpsilon));
+        for (int k = 0; k < count_; ++k) values.residual[k][first + x] -= mean[x];
+      }
+    }
+    source_.mask_row(y, x0, values.count, mask);
+    add_row(values, count_, mask, sums);
+  }
+  return sums;
+}
+
+const MixtureWeights& Blend::weights(int column, int row) const noexcept {
+  return weights_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+                  static_cast<std::size_t>(column)];
+}
+
+MixtureWeights Blend::mean_weights() const {
+  std::array<double, kMaxMixed> sums{};
+  for (const MixtureWeights& block : weights_) {
+    for (std::size_t k = 0; k < block.size(); ++k) sums[k] += block[k];
+  }
+  MixtureWeights mean{};
+  for (std::size_t k = 0; k < mean.size(); ++k)
+    mean[k] = static_cast<float>(sums[k] / static_cast<double>(weights_.size()));
+  return mean;
+}
+
+void Blend::weight_rows(const Rect& tile, int y, float* lines, std::ptrdiff_t pitch) const {
+  const Between vertical = between(y, rows_);
+  for (int x = tile.x0; x < tile.x1; ++x) {
+    const Between horizontal = between(x, columns_);
+    const auto mixed = [&](int row, std::size_t k) {
+      const float a = weights(horizontal.first, row)[k];
+      return a + horizontal.share * (weights(horizontal.second, row)[k] - a);
+    };
+    for (int k = 0; k < count_; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      const float above = mixed(vertical.first, i);
+      lines[k * pitch + (x - tile.x0)] = above + vertical.share * (mixed(vertical.second, i) - above);
+    }
+  }
+}
+
+void Blend::run(const Rect& tile, const Mixture& out, float* lines, std::ptrdiff_t pitch) const {
+  const int n = tile.width();
+  const float* maps[kMaxMixed];
+  for (int k = 0; k < count_; ++k) maps[k] = lines + k * pitch;
+  for (int y = tile.y0; y < tile.y1; ++y) {
+    weight_rows(tile, y, lines, pitch);
+    largest_row(maps, count_, n, out.choice->row(y) + tile.x0);
+    const auto picture = [&](int k, int plane) {
+      return pictures_[static_cast<std::size_t>(k)].plane(plane, y) + tile.x0;
+    };
+    mix_row(source_, layers_, picture, maps, count_, tile, y, out.rows);
+  }
+}
+
+}  // namespace stein

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// From the filtered picture and its divergence to the result: colour, estimated error and density.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "exec/row_pipeline.hpp"
+#include "filters/guide_rows.hpp"
+#include "pipeline/mixture.hpp"
+#include "prefilter/layer_source.hpp"
+#include "prefilter/source.hpp"
+#include "select/guided_pass.hpp"
+#include "stein/denoise.hpp"
+
+namespace stein {
+
+/// The halos of the stages.
+[[nodiscard]] std::vector<int> error_halos();
+
+class ErrorStages {
+ public:
+  /// Everything referred to must outlive this. When a stage runs, earlier ones have filled the rows of `filtered` and
+  /// of the guides that it reads.
+  ErrorStages(const Source& source, const LayerSource& layers, const DenoiseParams& params, const MixtureRows& filtered,
+              const GuideRows& guides, const exec::RowPipelineGeometry& geometry, int ring_rows, int slots,
+              DenoiseResult& result);
+
+  /// In the order in which they run. The stages refer to this object.
+  [[nodiscard]] const std::vector<exec::RowStage>& list() const noexcept { return list_; }
+
+  /// Mean over pixels and channels of the estimated error over F^2 + 0.01, before smoothing, which would carry errors
+  /// of bright pixels to dark ones.
+  [[nodiscard]] double mean_relative_error() const;
+
+ private:
+  [[nodiscard]] MapRows add_ring(int planes);
+  void add_passes();
+  void assess(const Rect& tile, int slot);
+  void assess_row(const Rect& tile, int y, float* lines);
+  void add_relative_error(const Rect& tile, int y, const float* F, const float* risk);
+  void finish(const Rect& tile, int slot);
+  void density_row(const Rect& tile, int y, float* lines);
+  [[nodiscard]] float* lines_of(int slot) { return lines_[static_cast<std::size_t>(slot)].data(); }
+
+  const Source& source_;
+  const LayerSource& layers_;
+  const DenoiseParams& params_;
+  MixtureRows filtered_;
+  const GuideRows& guides_;
+  exec::RowPipelineGeometry geometry_;
+  DenoiseResult& result_;
+  int ring_rows_;
+  std::vector<std::unique_ptr<exec::RowRing>> rings_;
+  MapRows raw_errors_;                     // risk per channel, and its noise where the density wants it
+  MapRows errors_;                         // the same, smoothed
+  std::vector<double> relative_errors_;    // sums over blocks of 16 pixels of a row
+  std::vector<std::vector<float>> lines_;  // per slot: rows as wide as a tile
+  std::vector<exec::RowStage> list_;
+};
+
+}  // namespace stein
