@@ -53,7 +53,7 @@ ChoiceStages::ChoiceStages(const Source& source, Selection selection, FilterRuns
 void ChoiceStages::plan() {
   const int others = entries_ - 1;
   differences_ = add_ring(others + 1);
-  choices_ = add_ring(entries_);
+  choices_ = add_ring(weighs_evidence_ ? entries_ + 1 : entries_);
   runs_.add_stages(
       {}, [this](const Rect& tile, int slot) { compare(tile, slot); }, list_);
   add_risk_passes();
@@ -149,11 +149,9 @@ void ChoiceStages::square(const Rect& tile, int /*slot*/) {
   }
 }
 
-// The entry that is best by what is known: local evidence, as far as it goes beyond its standard error, before that of
-// the image.
-void ChoiceStages::pick(const Rect& tile, int /*slot*/) {
+// The entry that is best by what is known.
+void ChoiceStages::pick(const Rect& tile, int slot) {
   const int n = tile.width();
-  const int others = entries_ - 1;
   float* maps[kMaxEntries];
   for (int y = tile.y0; y < tile.y1; ++y) {
     int m = 0;
@@ -161,20 +159,33 @@ void ChoiceStages::pick(const Rect& tile, int /*slot*/) {
       maps[e] = choices_.row(e, y) + tile.x0;
       if (e == baseline_) {
         std::fill_n(maps[e], n, 0.0F);
-        continue;
-      }
-      const float* mean = evidence_.row(m, y) + tile.x0;
-      if (weighs_evidence_) {
-        const float* inverse_count = evidence_.row(evidence_.inverse_count, y) + tile.x0;
-        shrink_row(mean, evidence_.row(others + m, y) + tile.x0, inverse_count, prior_[static_cast<std::size_t>(e)], n,
-                   maps[e]);
       } else {
-        std::copy_n(mean, n, maps[e]);
+        std::copy_n(evidence_.row(m++, y) + tile.x0, n, maps[e]);
       }
-      ++m;
     }
+    if (weighs_evidence_) weigh(tile, y, maps, lines_of(slot));
     argmin_row(maps, entries_, n);
   }
+}
+
+// Local evidence counts as far as it goes beyond its standard error, before that of the image.
+void ChoiceStages::weigh(const Rect& tile, int y, float* const* maps, float* lines) {
+  const int n = tile.width();
+  const int others = entries_ - 1;
+  const float* inverse_count = evidence_.row(evidence_.inverse_count, y) + tile.x0;
+  float* variances[kMaxEntries];
+  int m = 0;
+  for (int e = 0; e < entries_; ++e) {
+    variances[e] = lines + std::ptrdiff_t{e} * geometry_.tile_width;
+    if (e == baseline_) {
+      std::fill_n(variances[e], n, 0.0F);
+      continue;
+    }
+    const float* square = evidence_.row(others + m++, y) + tile.x0;
+    standard_error_row(maps[e], square, inverse_count, n, variances[e]);
+    shrink_row(maps[e], variances[e], prior_[static_cast<std::size_t>(e)], n, maps[e]);
+  }
+  optimism_row(maps, variances, entries_, n, choices_.row(entries_, y) + tile.x0);
 }
 
 void ChoiceStages::mix(const Rect& tile, int /*slot*/) {
@@ -185,6 +196,18 @@ void ChoiceStages::mix(const Rect& tile, int /*slot*/) {
     const CandidateRows candidates = runs_.candidates();
     const auto candidate = [&](int k, int plane) { return candidates.row(k, plane, y) + tile.x0; };
     mix_row(source_, runs_.layers(), candidate, maps, entries_, tile, y, out_.rows);
+    if (weighs_evidence_) add_optimism(tile, y);
+  }
+}
+
+// What the choice adds to the dependence on a pixel's own noise, from relative risks to those of the channels, which
+// have 2 D.
+void ChoiceStages::add_optimism(const Rect& tile, int y) {
+  const float* optimism = weights_.row(entries_, y) + tile.x0;
+  for (int c = 0; c < 3; ++c) {
+    const float* scale = runs_.candidates().result(runs_.common_candidate(), c, y) + tile.x0;
+    float* D = out_.rows.divergence(c, y) + tile.x0;
+    for (int i = 0; i < tile.width(); ++i) D[i] += 0.5F * optimism[i] * (scale[i] * scale[i] + kRelativeEpsilon);
   }
 }
 

@@ -45,7 +45,9 @@ class ChoiceStages {
   void compare(const Rect& tile, int slot);
   void square(const Rect& tile, int slot);
   void pick(const Rect& tile, int slot);
+  void weigh(const Rect& tile, int y, float* const* maps, float* lines);
   void mix(const Rect& tile, int slot);
+  void add_optimism(const Rect& tile, int y);
 
   [[nodiscard]] float* lines_of(int slot) { return lines_[static_cast<std::size_t>(slot)].data(); }
 
@@ -64,7 +66,7 @@ class ChoiceStages {
   MapRows differences_;                    // relative risk of the entries but the baseline, minus its own
   MapRows squares_;                        // the same after some passes, with the squares of what came in
   MapRows evidence_;                       // both smoothed
-  MapRows choices_;                        // one map per entry: 1 for what was picked
+  MapRows choices_;                        // one map per entry: 1 for what was picked; and the optimism of picking
   MapRows weights_;                        // the same, smoothed
   std::vector<std::vector<float>> lines_;  // per slot: rows as wide as a tile
   std::vector<exec::RowStage> list_;

@@ -11,10 +11,19 @@ inline constexpr int kMaxEntries = 13;  ///< the unfiltered input and the candid
 /// only; the error that is reported is not clipped.
 inline constexpr float kRiskLimit = 1.0F;
 
+/// Squared standard errors of weighted means of a map: `square` is the same mean of its squares, and `inverse_count`
+/// makes of the variance that of the mean.
+void standard_error_row(const float* mean, const float* square, const float* inverse_count, int count, float* out);
+
 /// How far local evidence moves an estimate from what the image as a whole says: out = prior + lambda (mean - prior)
-/// with lambda = max(0, 1 - s^2 / (mean - prior)^2), the positive-part James-Stein rule. `mean` is a weighted mean of a
-/// map, `square` that of its squares, and `inverse_count` makes of the variance that of the mean: s^2.
-void shrink_row(const float* mean, const float* square, const float* inverse_count, float prior, int count, float* out);
+/// with lambda = max(0, 1 - s^2 / (mean - prior)^2), the positive-part James-Stein rule; `variance` is s^2.
+void shrink_row(const float* mean, const float* variance, float prior, int count, float* out);
+
+/// How much too low the risk of the least of `entries` estimates is, since it may have come out least for its noise: of
+/// two whose difference has standard deviation s, E[noise of the lesser] = -s phi(difference / s), with phi the
+/// standard normal density. The two least count, and their noise is taken as independent: s^2 is the sum of both
+/// `variances`.
+void optimism_row(const float* const* risks, const float* const* variances, int entries, int count, float* out);
 
 /// Replaces the risks of `entries` maps by weights: 1 for the entry of least risk (the first of equals), 0 for the
 /// others.

@@ -2,6 +2,8 @@
 #include "select/selection.hpp"
 
 #include <array>
+#include <cmath>
+#include <random>
 #include <vector>
 
 #include "catch.hpp"
@@ -39,8 +41,12 @@ TEST_CASE("shrink_row: local evidence counts as far as it goes beyond its standa
   std::vector<float> square(6);
   for (std::size_t i = 0; i < 6; ++i) square[i] = mean[i] * mean[i] + variance[i];
   const std::vector<float> inverse_count(6, 0.25F);
+  std::vector<float> squared_error(6);
+  standard_error_row(mean.data(), square.data(), inverse_count.data(), 6, squared_error.data());
+  CHECK(squared_error[1] == Approx(1.0));
+  CHECK(squared_error[5] == 0.0F);
   std::vector<float> out(7, -5.0F);
-  shrink_row(mean.data(), square.data(), inverse_count.data(), kPrior, 6, out.data());
+  shrink_row(mean.data(), squared_error.data(), kPrior, 6, out.data());
   CHECK(out[0] == 3.0F);
   CHECK(out[1] == Approx(1.0 + 2.0 * (1.0 - 1.0 / 4.0)));
   CHECK(out[2] == kPrior);
@@ -48,6 +54,56 @@ TEST_CASE("shrink_row: local evidence counts as far as it goes beyond its standa
   CHECK(out[4] == kPrior);
   CHECK(out[5] == 3.0F);
   CHECK(out[6] == -5.0F);
+}
+
+TEST_CASE("optimism_row: what the noise of two estimates takes off the lesser, on average") {
+  constexpr int kDraws = 100000;
+  constexpr float kNoise[] = {0.6F, 0.8F};  // standard deviations: of the difference 1
+  std::mt19937 engine(11);                  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same draws each time
+  std::normal_distribution<float> normal;
+  // Estimates that know themselves: their truths are spread as widely as one may think before having seen them.
+  for (const float spread : {5.0F, 10.0F}) {
+    double missing = 0;
+    double squares = 0;
+    double stated = 0;
+    for (int i = 0; i < kDraws; ++i) {
+      const float truth[] = {spread * normal(engine), 0.0F};
+      const float risk[] = {truth[0] + kNoise[0] * normal(engine), truth[1] + kNoise[1] * normal(engine), 1e6F};
+      const float variance[] = {kNoise[0] * kNoise[0], kNoise[1] * kNoise[1], 1.0F};
+      const float* const risks[] = {risk, risk + 1, risk + 2};
+      const float* const variances[] = {variance, variance + 1, variance + 2};
+      float optimism = -1;
+      optimism_row(risks, variances, 3, 1, &optimism);
+      const int least = risk[0] < risk[1] ? 0 : 1;
+      const double low = static_cast<double>(truth[least]) - static_cast<double>(risk[least]);
+      missing += low - static_cast<double>(optimism);
+      squares += low * low;
+      stated += static_cast<double>(optimism);
+    }
+    INFO("spread " << spread << ": stated " << stated / kDraws << ", missing " << missing / kDraws);
+    CHECK(std::abs(missing) < 4.0 * std::sqrt(squares));
+    CHECK(stated > 8.0 * std::sqrt(squares));  // without it, the test would fail
+  }
+}
+
+TEST_CASE("optimism_row: none for a single estimate, or where estimates are exact or far apart") {
+  const float risk[] = {1.0F, 2.0F, 1.5F};
+  const float exact[] = {0.0F, 0.0F, 0.0F};
+  const float small[] = {1e-4F, 1e-4F, 1e-4F};
+  const float* const risks[] = {risk, risk + 1, risk + 2};
+  const float* const none[] = {exact, exact + 1, exact + 2};
+  const float* const some[] = {small, small + 1, small + 2};
+  float out[2] = {-1.0F, -5.0F};
+  optimism_row(risks, none, 3, 1, out);
+  CHECK(out[0] == 0.0F);
+  optimism_row(risks, some, 3, 1, out);
+  CHECK(out[0] == 0.0F);
+  const float* const equal[] = {risk, risk};
+  optimism_row(equal, some, 2, 1, out);
+  CHECK(out[0] == Approx(std::sqrt(2e-4) / std::sqrt(2.0 * 3.14159265)));
+  optimism_row(equal, some, 1, 1, out);
+  CHECK(out[0] == 0.0F);
+  CHECK(out[1] == -5.0F);
 }
 
 TEST_CASE("largest_row: the index of the largest weight, the first of equals") {
