@@ -11,9 +11,11 @@
 
 #include "metrics/metrics.hpp"
 #include "quality/bank.hpp"
+#include "quality/reliability.hpp"
 #include "stein/denoise.hpp"
 #include "stein/error.hpp"
 #include "stein/exr.hpp"
+#include "stein/options.hpp"
 
 namespace {
 
@@ -95,10 +97,31 @@ void print_choices(const fs::path& file, const stein::DenoiseParams& params, std
   std::fflush(stdout);
 }
 
+// What a run reports against the truth: the image, then pixels by what is reported of them.
+void print_calibration(const fs::path& file, const stein::DenoiseParams& params) {
+  const stein::exr::NamedPlanes reference = stein::exr::read_planes((file.parent_path() / "ref.exr").string());
+  const stein::exr::LoadedFrame loaded = stein::exr::read_frame(file.string());
+  const stein::DenoiseResult result = stein::denoise(loaded.frame(), params);
+  const double noise = reference_noise(file.parent_path()).rel_mse;
+  const std::array<stein::Plane, 3>& colour = result.colour;
+  const double truth =
+      stein::metrics::compare({colour[0].view(), colour[1].view(), colour[2].view()}, rgb(reference.planes)).rel_mse -
+      noise;
+  const double reported = result.report.mean_relative_error;
+  std::printf("| %s | all | 100 | %.5f | %.5f | %.2f |\n", title(file).c_str(), reported, truth, reported / truth);
+  for (const stein::quality::ReliabilityBin& bin : stein::quality::reliability(result, reference, noise)) {
+    if (bin.share == 0) continue;
+    std::printf("| %s | %.2g to %.2g | %.2f | %.3g | %.3g | %.2f |\n", title(file).c_str(), bin.lower, bin.upper,
+                100.0 * bin.share, bin.reported, bin.truth, bin.reported / bin.truth);
+  }
+  std::fflush(stdout);
+}
+
 int usage() {
-  std::fprintf(stderr,
-               "usage: stein_quality FOLDER [--filter NAME] [--table errors|risk|selection]\n"
-               "FOLDER holds one folder per scene with ref.exr and noisy renders.\n");
+  std::fprintf(
+      stderr,
+      "usage: stein_quality FOLDER [--filter NAME | --quality NAME] [--table errors|risk|selection|calibration]\n"
+      "FOLDER holds one folder per scene with ref.exr and noisy renders.\n");
   return 2;
 }
 
@@ -108,6 +131,11 @@ void print_table(const std::string& table, const std::vector<fs::path>& files, c
         "| scene, file | input relMSE / SSIM | stein relMSE / SSIM | trimmed relMSE | estimated MSE | true MSE |\n"
         "|---|---|---|---|---|---|\n");
     for (const fs::path& file : files) print_errors(file, params);
+  } else if (table == "calibration") {
+    std::printf(
+        "| scene, file | reported relative error | %% of the pixels | reported, mean | true, mean | ratio |\n"
+        "|---|---|---|---|---|---|\n");
+    for (const fs::path& file : files) print_calibration(file, params);
   } else if (table == "risk") {
     std::printf(
         "| scene, file | entry | estimated / true MSE | ratio | relative | ratio | trimmed "
@@ -134,6 +162,8 @@ int main(int argc, char** argv) {
       const std::string argument = argv[i];
       if (argument == "--filter" && i + 1 < argc) {
         params.filters = stein::make_filters(argv[++i]);
+      } else if (argument == "--quality" && i + 1 < argc) {
+        stein::set_option(params, "quality", argv[++i]);
       } else if (argument == "--table" && i + 1 < argc) {
         table = argv[++i];
       } else if (folder.empty() && argument.rfind("--", 0) != 0) {
@@ -142,7 +172,8 @@ int main(int argc, char** argv) {
         return usage();
       }
     }
-    if (folder.empty() || (table != "errors" && table != "risk" && table != "selection")) return usage();
+    const std::vector<std::string> tables = {"errors", "risk", "selection", "calibration"};
+    if (folder.empty() || std::find(tables.begin(), tables.end(), table) == tables.end()) return usage();
     print_table(table, noisy_files(folder), params);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "stein_quality: %s\n", error.what());
