@@ -19,10 +19,10 @@ void standard_error_row(const float* mean, const float* square, const float* inv
 /// with lambda = max(0, 1 - s^2 / (mean - prior)^2), the positive-part James-Stein rule; `variance` is s^2.
 void shrink_row(const float* mean, const float* variance, float prior, int count, float* out);
 
-/// How much too low the risk of the least of `entries` estimates is, since it may have come out least for its noise: of
-/// two whose difference has standard deviation s, E[noise of the lesser] = -s phi(difference / s), with phi the
-/// standard normal density. The two least count, and their noise is taken as independent: s^2 is the sum of both
-/// `variances`.
+/// How much too low the least of `entries` estimates is on average, since it may have come out least for its noise:
+/// -E[noise of the least of r_k + noise_k], with independent normal noise of the `variances`. Of two, whose difference
+/// has the standard deviation s, that is s phi(difference / s), phi the standard normal density; with more, Clark's
+/// approximation.
 void optimism_row(const float* const* risks, const float* const* variances, int entries, int count, float* out);
 
 /// Replaces the risks of `entries` maps by weights: 1 for the entry of least risk (the first of equals), 0 for the

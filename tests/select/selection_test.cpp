@@ -86,6 +86,36 @@ TEST_CASE("optimism_row: what the noise of two estimates takes off the lesser, o
   }
 }
 
+TEST_CASE("optimism_row: of five estimates that are close to each other") {
+  constexpr int kEntries = 5;
+  constexpr int kDraws = 200000;
+  const float risk[kEntries] = {0.0F, 0.3F, -0.2F, 0.5F, 0.1F};
+  const float variance[kEntries] = {1.0F, 0.5F, 0.25F, 2.0F, 0.0F};
+  const float* risks[kEntries];
+  const float* variances[kEntries];
+  for (int e = 0; e < kEntries; ++e) {
+    risks[e] = risk + e;
+    variances[e] = variance + e;
+  }
+  std::mt19937 engine(5);  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same draws each time
+  std::normal_distribution<float> normal;
+  double lost = 0;
+  for (int i = 0; i < kDraws; ++i) {
+    float least = 1e9F;
+    float noise = 0;
+    for (int e = 0; e < kEntries; ++e) {
+      const float own = std::sqrt(variance[e]) * normal(engine);
+      if (risk[e] + own >= least) continue;
+      least = risk[e] + own;
+      noise = own;
+    }
+    lost -= static_cast<double>(noise) / kDraws;
+  }
+  float optimism = 0;
+  optimism_row(risks, variances, kEntries, 1, &optimism);
+  CHECK(optimism == Approx(lost).epsilon(0.03));  // Clark's approximation: 1 %, in any order of the entries
+}
+
 TEST_CASE("optimism_row: none for a single estimate, or where estimates are exact or far apart") {
   const float risk[] = {1.0F, 2.0F, 1.5F};
   const float exact[] = {0.0F, 0.0F, 0.0F};
