@@ -126,12 +126,12 @@ void filter_alone(Run& run, bool knows_covariances) {
   const exec::RowRing rows(MixtureRows::planes(run.layers.channels()), run.geometry.width, ring_rows);
   const MixtureRows picture(rows);
   std::vector<exec::RowStage> stages = job.plan_stages({picture, &run.result.choice});
-  const ErrorStages errors(run.source, run.layers, run.params, picture, job.guides(), run.geometry, ring_rows, slots,
-                           run.result);
+  ErrorStages errors(run.source, run.layers, run.params, picture, job.guides(), run.geometry, ring_rows, slots,
+                     run.result);
   stages.insert(stages.end(), errors.list().begin(), errors.list().end());
   run.execute(stages, left);
   run.doubt(job.findings(), knows_covariances);
-  run.result.report.mean_relative_error = errors.mean_relative_error();
+  errors.calibrate(run.runner);
   run.result.report.filters.front().weight = 1.0;
 }
 
@@ -194,8 +194,8 @@ void filter_together(Run& run, bool knows_covariances) {
   const int ring_rows = exec::ring_capacity(run.geometry, error_halos());
   const exec::RowRing mixed(MixtureRows::planes(run.layers.channels()), run.geometry.width, ring_rows);
   const GuideRows guides = make_guides(run.plans.front().spec, run.source, ring_rows);
-  const ErrorStages errors(run.source, run.layers, run.params, MixtureRows(mixed), guides, run.geometry, ring_rows,
-                           run.runner.slots(), run.result);
+  ErrorStages errors(run.source, run.layers, run.params, MixtureRows(mixed), guides, run.geometry, ring_rows,
+                     run.runner.slots(), run.result);
   const int pitch = run.geometry.tile_width;
   std::vector<std::vector<float>> lines(
       static_cast<std::size_t>(run.runner.slots()),
@@ -208,7 +208,7 @@ void filter_together(Run& run, bool knows_covariances) {
                                          }}};
   stages.insert(stages.end(), errors.list().begin(), errors.list().end());
   run.execute(stages, kMainShare * kBlendShare / 2);
-  run.result.report.mean_relative_error = errors.mean_relative_error();
+  errors.calibrate(run.runner);
   const MixtureWeights weights = blend->mean_weights();
   for (std::size_t f = 0; f < run.plans.size(); ++f) run.result.report.filters[f].weight = weights[f + 1];
 }

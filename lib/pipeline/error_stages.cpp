@@ -4,7 +4,6 @@
 #include "pipeline/error_stages.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "pipeline/density_rows.hpp"
 #include "pipeline/layers.hpp"
@@ -16,7 +15,7 @@ namespace {
 
 const std::vector<int> kErrorSteps = {1, 2, 4};
 constexpr float kSmoothingSigmaScale = 2.0F;  // of the features: each pass weighs edges anew
-constexpr int kNoiseMap = 3;                  // after the errors of the channels
+constexpr int kNoiseMap = 3;                  // after the predictors of the channels
 constexpr std::size_t kLines = 4;
 
 }  // namespace
@@ -38,11 +37,13 @@ ErrorStages::ErrorStages(const Source& source, const LayerSource& layers, const 
       geometry_(geometry),
       result_(result),
       ring_rows_(ring_rows),
-      relative_errors_(static_cast<std::size_t>((geometry.width + kSumBlock - 1) / kSumBlock) *
-                       static_cast<std::size_t>(geometry.height)) {
+      calibrations_{ErrorCalibration(slots), ErrorCalibration(slots), ErrorCalibration(slots)} {
+  const auto blocks = static_cast<std::size_t>((geometry.width + kSumBlock - 1) / kSumBlock);
+  for (std::vector<Sums>& sums : sums_) sums.resize(blocks * static_cast<std::size_t>(geometry.height));
   lines_.assign(static_cast<std::size_t>(slots),
                 std::vector<float>(kLines * static_cast<std::size_t>(geometry.tile_width)));
-  raw_errors_ = add_ring(params_.density.rule == DensityRule::kAllSamples ? kNoiseMap + 1 : kNoiseMap);
+  risks_ = add_ring(3);
+  predictors_ = add_ring(params_.density.rule == DensityRule::kAllSamples ? kNoiseMap + 1 : kNoiseMap);
   list_.push_back({"error", 0, 0.1, [this](const Rect& tile, int slot) { assess(tile, slot); }});
   add_passes();
 }
@@ -53,18 +54,18 @@ MapRows ErrorStages::add_ring(int planes) {
 }
 
 void ErrorStages::add_passes() {
-  MapRows maps = raw_errors_;
+  MapRows maps = predictors_;
   for (std::size_t i = 0; i < kErrorSteps.size(); ++i) {
     const GuidedPass pass{PassKernel::kB3Spline, kErrorSteps[i], kSmoothingSigmaScale, 1.0F};
     const MapRows out = add_ring(maps.count);
     const bool is_last = i + 1 == kErrorSteps.size();
     list_.push_back({"smooth error", pass.halo(), 1.0, [this, pass, maps, out, is_last](const Rect& tile, int slot) {
                        run_guided_pass(pass, guides_, geometry_.height, tile, maps, out);
-                       if (is_last) finish(tile, slot);
+                       if (is_last) collect(tile, slot);
                      }});
     maps = out;
   }
-  errors_ = maps;
+  smooth_predictors_ = maps;
 }
 
 void ErrorStages::assess(const Rect& tile, int slot) {
@@ -92,47 +93,83 @@ void ErrorStages::assess_row(const Rect& tile, int y, float* lines) {
       F[i] = strength * filtered[i] + (1.0F - strength) * mean[i];
       D[i] = strength * divergence[i] + (1.0F - strength) * variance[i];
     }
-    float* risk = raw_errors_.row(c, y) + tile.x0;
+    float* risk = risks_.row(c, y) + tile.x0;
     sure_row(F, D, mean, variance, n, risk);
-    add_relative_error(tile, y, F, risk);
-    if (raw_errors_.count > kNoiseMap) {
-      float* noise = raw_errors_.row(kNoiseMap, y) + tile.x0;
+    add_to_means(tile, c, y, F, risk);
+    float* predictor = predictors_.row(c, y) + tile.x0;
+    for (int i = 0; i < n; ++i) {
+      const float weight = 1.0F / (F[i] * F[i] + kRelativeEpsilon);
+      risk[i] *= weight;
+      predictor[i] = std::max(D[i], 0.0F) * weight;
+    }
+    if (predictors_.count > kNoiseMap) {
+      float* noise = predictors_.row(kNoiseMap, y) + tile.x0;
       if (c == 0) std::fill_n(noise, n, 0.0F);
       add_kept_noise(F, D, n, noise);
     }
   }
 }
 
-void ErrorStages::add_relative_error(const Rect& tile, int y, const float* F, const float* risk) {
+void ErrorStages::add_to_means(const Rect& tile, int channel, int y, const float* F, const float* risk) {
   const auto blocks = static_cast<std::size_t>((geometry_.width + kSumBlock - 1) / kSumBlock);
-  double* sums = relative_errors_.data() + static_cast<std::size_t>(y) * blocks;
+  Sums* sums = sums_[static_cast<std::size_t>(channel)].data() + static_cast<std::size_t>(y) * blocks;
   for (int i = 0; i < tile.width(); ++i) {
-    sums[(tile.x0 + i) / kSumBlock] += risk[i] / (static_cast<double>(F[i]) * F[i] + kRelativeEpsilon);
+    Sums& block = sums[(tile.x0 + i) / kSumBlock];
+    block.error += risk[i];
+    block.relative_error += risk[i] / (static_cast<double>(F[i]) * F[i] + kRelativeEpsilon);
   }
 }
 
-double ErrorStages::mean_relative_error() const {
-  const double sum = std::accumulate(relative_errors_.begin(), relative_errors_.end(), 0.0);
-  return sum / (3.0 * geometry_.width * geometry_.height);
-}
-
-void ErrorStages::finish(const Rect& tile, int slot) {
+// The predictors wait in the planes of the error for calibrate().
+void ErrorStages::collect(const Rect& tile, int slot) {
+  const int n = tile.width();
+  float* mask = lines_of(slot);
   for (int y = tile.y0; y < tile.y1; ++y) {
+    source_.mask_row(y, tile.x0, n, mask);
     for (int c = 0; c < 3; ++c) {
-      std::copy_n(errors_.row(c, y) + tile.x0, tile.width(),
-                  result_.error[static_cast<std::size_t>(c)].row(y) + tile.x0);
+      const auto channel = static_cast<std::size_t>(c);
+      const float* predictor = smooth_predictors_.row(c, y) + tile.x0;
+      calibrations_[channel].add(slot, predictor, risks_.row(c, y) + tile.x0, mask, n);
+      std::copy_n(predictor, n, result_.error[channel].row(y) + tile.x0);
     }
-    density_row(tile, y, lines_of(slot));
+    if (params_.density.rule == DensityRule::kAllSamples) {
+      all_samples_row(source_, tile, y, smooth_predictors_.row(kNoiseMap, y) + tile.x0, lines_of(slot),
+                      result_.density.row(y) + tile.x0);
+    }
   }
 }
 
-void ErrorStages::density_row(const Rect& tile, int y, float* lines) {
-  float* density = result_.density.row(y) + tile.x0;
-  if (params_.density.rule == DensityRule::kAllSamples) {
-    all_samples_row(source_, tile, y, errors_.row(kNoiseMap, y) + tile.x0, lines, density);
-  } else {
-    next_samples_row(source_, params_, result_, tile, y, lines, geometry_.tile_width, density);
+void ErrorStages::calibrate(exec::Runner& runner) {
+  for (ErrorCalibration& calibration : calibrations_) calibration.fit();
+  report_means();
+  runner.for_each(geometry_.height, 0.0, [this](int y, int slot) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float* F = result_.colour[c].row(y);
+      float* error = result_.error[c].row(y);
+      for (int x = 0; x < geometry_.width; ++x)
+        error[x] = calibrations_[c].error(error[x]) * (F[x] * F[x] + kRelativeEpsilon);
+    }
+    if (params_.density.rule == DensityRule::kAllSamples) return;
+    for (int x = 0; x < geometry_.width; x += geometry_.tile_width) {
+      const Rect part{x, y, std::min(x + geometry_.tile_width, geometry_.width), y + 1};
+      next_samples_row(source_, params_, result_, part, y, lines_of(slot), geometry_.tile_width,
+                       result_.density.row(y) + x);
+    }
+  });
+}
+
+void ErrorStages::report_means() {
+  const double pixels = static_cast<double>(geometry_.width) * geometry_.height;
+  double relative = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    double error = 0;
+    for (const Sums& block : sums_[c]) {
+      error += block.error;
+      relative += block.relative_error;
+    }
+    result_.report.mean_error[c] = error / pixels;
   }
+  result_.report.mean_relative_error = relative / (3.0 * pixels);
 }
 
 }  // namespace stein

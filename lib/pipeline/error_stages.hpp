@@ -3,11 +3,14 @@
 // From the filtered picture and its divergence to the result: colour, estimated error and density.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
 #include "exec/row_pipeline.hpp"
+#include "exec/runner.hpp"
 #include "filters/guide_rows.hpp"
+#include "pipeline/error_calibration.hpp"
 #include "pipeline/mixture.hpp"
 #include "prefilter/layer_source.hpp"
 #include "prefilter/source.hpp"
@@ -30,18 +33,17 @@ class ErrorStages {
   /// In the order in which they run. The stages refer to this object.
   [[nodiscard]] const std::vector<exec::RowStage>& list() const noexcept { return list_; }
 
-  /// Mean over pixels and channels of the estimated error over F^2 + 0.01, before smoothing, which would carry errors
-  /// of bright pixels to dark ones.
-  [[nodiscard]] double mean_relative_error() const;
+  /// After the stages: the error of each pixel, the density that depends on it, and the means in the report.
+  void calibrate(exec::Runner& runner);
 
  private:
   [[nodiscard]] MapRows add_ring(int planes);
   void add_passes();
   void assess(const Rect& tile, int slot);
   void assess_row(const Rect& tile, int y, float* lines);
-  void add_relative_error(const Rect& tile, int y, const float* F, const float* risk);
-  void finish(const Rect& tile, int slot);
-  void density_row(const Rect& tile, int y, float* lines);
+  void add_to_means(const Rect& tile, int channel, int y, const float* F, const float* risk);
+  void collect(const Rect& tile, int slot);
+  void report_means();
   [[nodiscard]] float* lines_of(int slot) { return lines_[static_cast<std::size_t>(slot)].data(); }
 
   const Source& source_;
@@ -53,9 +55,15 @@ class ErrorStages {
   DenoiseResult& result_;
   int ring_rows_;
   std::vector<std::unique_ptr<exec::RowRing>> rings_;
-  MapRows raw_errors_;                     // risk per channel, and its noise where the density wants it
-  MapRows errors_;                         // the same, smoothed
-  std::vector<double> relative_errors_;    // sums over blocks of 16 pixels of a row
+  MapRows risks_;              // relative, per channel
+  MapRows predictors_;         // of the error, per channel; and the noise where the density wants it
+  MapRows smooth_predictors_;  // the same, smoothed
+  std::array<ErrorCalibration, 3> calibrations_;
+  struct Sums {
+    double error = 0;
+    double relative_error = 0;
+  };
+  std::array<std::vector<Sums>, 3> sums_;  // per channel: over blocks of 16 pixels of a row
   std::vector<std::vector<float>> lines_;  // per slot: rows as wide as a tile
   std::vector<exec::RowStage> list_;
 };

@@ -16,7 +16,6 @@ constexpr float kFewDegrees = 3.0F;
 
 // Sums of one row, in double; rows are added in order, so that threads do not change the result.
 struct RowSums {
-  std::array<double, 3> error{};
   double density = 0;
   double radiance = 0;
   std::vector<std::int64_t> choices;
@@ -27,12 +26,8 @@ RowSums sums_of_row(const DenoiseResult& result, std::size_t entries, int y) {
   sums.choices.assign(entries, 0);
   const int width = result.density.width();
   for (std::size_t c = 0; c < 3; ++c) {
-    const float* error = result.error[c].row(y);
     const float* colour = result.colour[c].row(y);
-    for (int x = 0; x < width; ++x) {
-      sums.error[c] += error[x];
-      sums.radiance += colour[x];
-    }
+    for (int x = 0; x < width; ++x) sums.radiance += colour[x];
   }
   for (int x = 0; x < width; ++x) {
     sums.density += result.density.row(y)[x];
@@ -152,7 +147,6 @@ void summarise(const Source& source, const DenoiseParams& params, exec::Runner& 
   double radiance = 0;
   report.choice_share.assign(report.candidates.size(), 0.0);
   for (const RowSums& row : rows) {
-    for (std::size_t c = 0; c < 3; ++c) report.mean_error[c] += row.error[c] / pixels;
     for (std::size_t e = 0; e < row.choices.size(); ++e)
       report.choice_share[e] += static_cast<double>(row.choices[e]) / pixels;
     density += row.density;

@@ -89,14 +89,15 @@ std::vector<Plane> run_bank(const FilterSpec& spec, const Frame& frame) {
   return planes;
 }
 
-/// Only local choices: what the image as a whole says enters with Selection::kEvidence, and into the density.
+/// Only local choices: what the image as a whole says enters with Selection::kEvidence, into the error and the density.
 std::vector<Plane> run_locally(const FilterSpec& spec, const Frame& frame) {
   DenoiseParams params;
   params.filters = {spec};
   params.selection = Selection::kArgmin;
   DenoiseResult result = denoise(frame, params);
   std::vector<Plane> planes;
-  for (auto* list : {&result.colour, &result.error}) std::move(list->begin(), list->end(), std::back_inserter(planes));
+  std::move(result.colour.begin(), result.colour.end(), std::back_inserter(planes));
+  planes.push_back(std::move(result.choice));
   return planes;
 }
 

@@ -103,8 +103,8 @@ TEST_CASE("threads: calls from several threads of the caller do not meet") {
 
 TEST_CASE("threads: calls within arenas of the caller do not meet") {
   Calls calls;
-  // A slot for each caller and two more: with fewer, TBB lets another thread run a caller's work, through a closure on the
-  // caller's stack, and ThreadSanitizer does not see that it was written before.
+  // A slot for each caller and two more: with fewer, TBB lets another thread run a caller's work, through a closure on
+  // the caller's stack, and ThreadSanitizer does not see that it was written before.
   tbb::task_arena shared(kCalls + 2, kCalls);
   in_threads(kCalls, [&](int i) {
     tbb::task_arena own(1 + i % 2);

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What error pixels have on average, by something known of each that carries less noise than its own risk.
+//
+// The risk of a single pixel is unbiased but mostly noise: many times its mean, of either sign, and so is a mean over
+// few pixels. The mean over all pixels of the image that have like predictors is nearly exact.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace stein {
+
+class ErrorCalibration {
+ public:
+  /// `slots`: threads that may add at the same time.
+  explicit ErrorCalibration(int slots) : tables_(static_cast<std::size_t>(slots)) {}
+
+  /// Pixels of a row: their predictors (any numbers >= 0) and relative risks, where `mask` is not 0. Sums are kept as
+  /// integers, so that the order of the calls does not matter.
+  void add(int slot, const float* predictor, const float* risk, const float* mask, int count) noexcept;
+
+  /// Fits: the mean risks of bins of the predictor, made ascending and >= 0 by pooling neighbours (isotonic
+  /// regression), so that their mean stays what it is as far as that is >= 0.
+  void fit();
+
+  /// The error for a predictor, after fit(): between the centres of bins, linear in the predictor's logarithm.
+  [[nodiscard]] float error(float predictor) const noexcept;
+
+ private:
+  static constexpr int kBins = 96;
+  struct Table {
+    std::array<std::int64_t, kBins> risk{};  // in units of 1 / kUnitsPerRisk
+    std::array<std::int64_t, kBins> pixels{};
+  };
+  static float position(float predictor) noexcept;
+
+  std::vector<Table> tables_;          // per slot
+  std::array<float, kBins> errors_{};  // of the centres of bins
+};
+
+}  // namespace stein

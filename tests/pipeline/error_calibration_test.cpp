@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/error_calibration.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "catch.hpp"
+
+namespace stein {
+namespace {
+
+// One pixel per predictor and risk.
+struct Pixels {
+  std::vector<float> predictors;
+  std::vector<float> risks;
+  void add(float predictor, float risk) {
+    predictors.push_back(predictor);
+    risks.push_back(risk);
+  }
+  [[nodiscard]] ErrorCalibration fitted() const {
+    ErrorCalibration calibration(1);
+    const std::vector<float> mask(risks.size(), 1.0F);
+    calibration.add(0, predictors.data(), risks.data(), mask.data(), static_cast<int>(risks.size()));
+    calibration.fit();
+    return calibration;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("error calibration: finds how the error depends on the predictor under noise a hundred times as large") {
+  std::mt19937 engine(3);  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same draws each time
+  std::normal_distribution<float> normal;
+  std::uniform_real_distribution<float> exponent(-4.0F, -1.0F);
+  const auto truth = [](float predictor) { return 0.3F * std::sqrt(predictor); };
+  Pixels pixels;
+  for (int i = 0; i < 1000000; ++i) {
+    const float predictor = std::pow(10.0F, exponent(engine));
+    pixels.add(predictor, truth(predictor) * (1.0F + 100.0F * normal(engine)));
+  }
+  const ErrorCalibration calibration = pixels.fitted();
+  double mean = 0;
+  double expected = 0;
+  for (std::size_t i = 0; i < pixels.risks.size(); ++i) {
+    mean += static_cast<double>(calibration.error(pixels.predictors[i]));
+    expected += static_cast<double>(pixels.risks[i]);
+  }
+  CHECK(mean / expected == Approx(1.0).epsilon(0.01));  // but for what lies between the centres of bins
+  for (const float predictor : {3e-4F, 1e-3F, 1e-2F, 5e-2F})
+    CHECK(calibration.error(predictor) == Approx(truth(predictor)).epsilon(0.3));
+}
+
+TEST_CASE("error calibration: ascends, and is not below 0") {
+  Pixels pixels;
+  const float risks[] = {-3.0F, 1.0F, 2.5F, 2.0F, 1.5F, 6.0F};
+  for (int step = 0; step < 6; ++step) {
+    for (int i = 0; i < 100; ++i) pixels.add(std::exp2(static_cast<float>(step)), risks[step]);
+  }
+  const ErrorCalibration calibration = pixels.fitted();
+  const auto at = [&](int step) { return calibration.error(std::exp2(static_cast<float>(step))); };
+  // -3, 1, and what it takes of the 2 that 2.5, 2 and 1.5 are pooled to: 4 / 5.
+  CHECK(at(0) == Approx(0.8));
+  CHECK(at(4) == Approx(0.8));
+  CHECK(at(5) == Approx(6.0));
+  CHECK(calibration.error(0.0F) == Approx(0.8));
+  CHECK(calibration.error(1e30F) == Approx(6.0));
+}
+
+TEST_CASE("error calibration: few pixels do not stand for themselves") {
+  Pixels pixels;
+  for (int i = 0; i < 1000; ++i) pixels.add(0.01F, 1.0F);
+  for (int i = 0; i < 10; ++i) pixels.add(1.0F, 102.0F);
+  CHECK(pixels.fitted().error(1.0F) == Approx(2.0));
+}
+
+TEST_CASE("error calibration: nothing but negative risks, or no pixels, give 0") {
+  Pixels pixels;
+  for (int i = 0; i < 1000; ++i) pixels.add(0.01F * static_cast<float>(i), -1.0F);
+  CHECK(pixels.fitted().error(0.5F) == 0.0F);
+  CHECK(Pixels().fitted().error(0.5F) == 0.0F);
+}
+
+TEST_CASE("error calibration: the order of pixels and the slots make no difference, and masked ones do not count") {
+  std::mt19937 engine(4);  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same draws each time
+  std::normal_distribution<float> normal;
+  Pixels pixels;
+  for (int i = 0; i < 4096; ++i) pixels.add(std::exp(3.0F * normal(engine)), 1.0F + 5.0F * normal(engine));
+  const ErrorCalibration one = pixels.fitted();
+  ErrorCalibration parts(3);
+  for (int part = 31; part >= 0; --part) {
+    const std::vector<float> mask(128, 1.0F);
+    parts.add(part % 3, pixels.predictors.data() + part * 128, pixels.risks.data() + part * 128, mask.data(), 128);
+  }
+  const std::vector<float> none(128, 0.0F);
+  parts.add(1, pixels.predictors.data(), pixels.risks.data(), none.data(), 128);
+  parts.fit();
+  for (const float predictor : {0.01F, 0.3F, 1.0F, 8.0F}) CHECK(one.error(predictor) == parts.error(predictor));
+}
+
+}  // namespace stein
