@@ -148,7 +148,7 @@ STEIN_API stein_status stein_denoise(const stein_frame* frame, const stein_param
                                      void* user, stein_result** result);
 STEIN_API void stein_result_destroy(stein_result* result);
 
-/* Planes of a result: R G B, error.R .G .B (squared error that is estimated to remain; can be below 0), choice.V (index
+/* Planes of a result: R G B, error.R .G .B (squared error that is estimated to remain), choice.V (index
  * of the entry that weighs most; -1 where a pixel had no usable colour and was filled), density.V (where samples are
  * worth most; mean 1), and those of the frame's layers.
  *

@@ -87,8 +87,8 @@ struct DenoiseReport {
   std::vector<std::string> candidates;  ///< entry names; index = value of the choice plane; 0 is the unfiltered input
   std::vector<double> choice_share;     ///< fraction of pixels whose largest weight is that entry's
   std::vector<FilterShare> filters;     ///< one for each filter, in their order
-  std::array<double, 3> mean_error{};   ///< mean over the image of the estimated squared error, per channel
-  double mean_relative_error = 0;       ///< mean of error / (result^2 + 0.01) over pixels and channels
+  std::array<double, 3> mean_error{};   ///< mean over the image of the estimated squared error, per channel; can be < 0
+  double mean_relative_error = 0;       ///< the same of error / (result^2 + 0.01), over all channels
   std::vector<std::string> warnings;    ///< in words, for people
   std::vector<StageSeconds> stages;
   std::string instruction_set;  ///< of the kernels, such as "AVX3"
@@ -106,7 +106,8 @@ struct FilteredLayer {
 /// All planes have the frame's size; those of colour and error are each a Plane::triple.
 struct DenoiseResult {
   std::array<Plane, 3> colour;
-  /// Estimated squared error of `colour`, smoothed. Can be below 0: the estimate is kept free of that bias.
+  /// Estimated squared error of `colour`, >= 0: of each pixel the mean over all pixels of the image whose noise is left
+  /// to the same degree (docs/risk.md).
   std::array<Plane, 3> error;
   /// Index of the entry with the largest weight, see DenoiseReport::candidates; -1 where the pixel had no usable colour
   /// and was filled.
