@@ -53,6 +53,8 @@ void declare(CLI::App& verb, DenoiseOptions& options) {
           "Layers to filter as the colour is, by name (key for key.R, key.G, key.B; or one channel, such as A); "
           "all: every layer of R, G and B that is nothing else, and alpha")
       ->delimiter(',');
+  verb.add_flag("--straight-alpha", options.straight_alpha,
+                "The colour and its layers are divided by alpha, and are to be so in OUT; alpha is filtered as well");
   verb.add_option("--strength", options.strength, "1: the reconstruction, 0: the input, between: a mix")
       ->capture_default_str();
   declare_output(verb, options);
@@ -110,6 +112,7 @@ exr::LoadedFrame read_input(const DenoiseOptions& options, const std::function<b
   const bool needs_covariances = options.risk != "sure";
   exr::ReadOptions read{.read_covariances = needs_covariances};
   read.layers = options.layers;
+  read.straight_alpha = options.straight_alpha;
   read.progress = progress;
   apply(options.samples, read);
   apply(options.mapping, read);

@@ -29,6 +29,7 @@ struct DenoiseOptions {
   float strength = 1;
   SamplesOption samples;
   std::vector<std::string> layers;
+  bool straight_alpha = false;
   std::string tile;
   int threads = 0;
   bool strict = false;

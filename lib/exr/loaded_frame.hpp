@@ -36,7 +36,7 @@ struct LoadedFrame::Data {
   std::string path;
   Mapping mapping;
   PlaneMemory memory;
-  std::vector<Plane> converted;  // variances that the file holds in another form
+  std::vector<Plane> converted;  // planes that the file holds in another form
   Frame frame;
   std::vector<ChannelInfo> channels;
   std::array<int, 4> data_window{};
@@ -46,6 +46,8 @@ struct LoadedFrame::Data {
   std::vector<std::string> assumptions;
   std::vector<std::string> views;
   std::string view;
+  std::string straight_alpha;                  // layer with the alpha that the file's colour is divided by; empty: none
+  std::array<ConstPlaneView, 3> file_colour;  // as it is in the file
 };
 
 }  // namespace stein::exr

@@ -13,6 +13,7 @@
 #include "exr/layout.hpp"
 #include "exr/loaded_frame.hpp"
 #include "exr/part_reader.hpp"
+#include "exr/straight_alpha.hpp"
 #include "exr/views.hpp"
 
 namespace stein::exr {
@@ -48,6 +49,8 @@ class FrameReader {
     read_planes();
     fill_frame();
     convert_variances();
+    data_.file_colour = data_.frame.colour;
+    if (options_.straight_alpha) premultiply(view(layout_.alpha), data_.frame, data_.converted);
     list_channels();
   }
 
@@ -174,8 +177,22 @@ class FrameReader {
       choose(feature.variance);
       if (options_.read_covariances) choose(feature.covariance);
     }
-    layers_ = find_layers(file_, layout_, options_.layers);
+    layers_ = find_layers(file_, layout_, wanted_layers());
     for (const LayerLayout& layer : layers_) choose(layer.mean);
+  }
+
+  /// Alpha, by which straight colour is divided, has to be filtered as well.
+  std::vector<std::string> wanted_layers() {
+    std::vector<std::string> names = options_.layers;
+    if (!options_.straight_alpha) return names;
+    if (layout_.alpha < 0) {
+      fail(ErrorCode::kInvalidArgument,
+           "its colour is said to be straight, divided by alpha, but it has no alpha; read it as it is");
+    }
+    data_.straight_alpha = layout_.full_names[static_cast<std::size_t>(layout_.alpha)];
+    data_.assumptions.push_back("the colour is straight: it was multiplied by " + data_.straight_alpha);
+    names.push_back(data_.straight_alpha);
+    return names;
   }
 
   /// Of all channels of the main part: what is not read is carried over row by row.

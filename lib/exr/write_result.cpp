@@ -2,12 +2,14 @@
 #include <ImfFloatAttribute.h>
 
 #include <algorithm>
+#include <deque>
 #include <iterator>
 
 #include "exr/loaded_frame.hpp"
 #include "exr/output_plan.hpp"
 #include "exr/part_writer.hpp"
 #include "exr/replacing_file.hpp"
+#include "exr/straight_alpha.hpp"
 #include "exr/views.hpp"
 
 namespace stein::exr {
@@ -23,6 +25,22 @@ void check_size(const std::string& path, const Frame& frame, const std::string& 
                                                std::to_string(frame.width) + " x " + std::to_string(frame.height));
 }
 
+/// `alpha`: the layer that must be there; empty: none.
+void check_layers(const std::string& path, const ViewResult& view, const std::string& alpha) {
+  const std::vector<FilteredLayer>& layers = view.result.layers;
+  for (const FilteredLayer& layer : layers) {
+    for (std::size_t c = 0; c < layer.mean.size(); ++c)
+      check_size(path, view.source.frame(), plane_name(layer, c), layer.mean[c]);
+  }
+  const bool has_alpha = std::any_of(layers.begin(), layers.end(), [&](const FilteredLayer& layer) {
+    return layer.name == alpha && layer.mean.size() == 1;
+  });
+  if (alpha.empty() || has_alpha) return;
+  throw Error(ErrorCode::kInvalidArgument, "cannot write '" + path + "': the colour of '" + view.source.path() +
+                                               "' was read as straight, and the result has no layer '" + alpha +
+                                               "' to divide it by");
+}
+
 /// Sets where a layer's plane belongs: where the source has it.
 void place(const SourceFile& file, const Layout& layout, MemoryChannel& channel) {
   for (std::size_t i = 0; i < layout.full_names.size(); ++i) {
@@ -35,14 +53,14 @@ void place(const SourceFile& file, const Layout& layout, MemoryChannel& channel)
 }
 
 /// The layers, in the parts that have them.
-std::vector<MemoryChannel> layer_channels(const std::string& path, const Frame& frame, const DenoiseResult& result,
-                                          const WriteOptions& options, const SourceFile& file, const Layout& layout) {
+std::vector<MemoryChannel> layer_channels(const DenoiseResult& result, const WriteOptions& options,
+                                          const SourceFile& file, const Layout& layout, Straight& straight) {
   std::vector<MemoryChannel> channels;
   for (const FilteredLayer& layer : result.layers) {
     for (std::size_t c = 0; c < layer.mean.size(); ++c) {
       const std::string name = plane_name(layer, c);
-      check_size(path, frame, name, layer.mean[c]);
-      channels.push_back({name, options.half_colour ? Imf::HALF : Imf::FLOAT, layer.mean[c].view()});
+      const ConstPlaneView plane = layer.mean.size() == 3 ? straight.divided(layer.mean[c], 1) : layer.mean[c].view();
+      channels.push_back({name, options.half_colour ? Imf::HALF : Imf::FLOAT, plane});
       place(file, layout, channels.back());
     }
   }
@@ -50,17 +68,19 @@ std::vector<MemoryChannel> layer_channels(const std::string& path, const Frame& 
 }
 
 /// What is new in the main part beside layers; the colour under the names it has there.
-std::vector<MemoryChannel> result_channels(const std::string& path, const Frame& frame, const DenoiseResult& result,
-                                           const WriteOptions& options, const std::array<std::string, 3>& names) {
+std::vector<MemoryChannel> result_channels(const std::string& path, const ViewResult& view, const WriteOptions& options,
+                                           const std::array<std::string, 3>& names,
+                                           const std::array<ConstPlaneView, 3>& file_colour, Straight& straight) {
+  const DenoiseResult& result = view.result;
   std::vector<MemoryChannel> channels;
-  const auto add = [&](const std::string& name, const Plane& plane, Imf::PixelType type) {
-    check_size(path, frame, name, plane);
-    channels.push_back({name, type, plane.view()});
+  const auto add = [&](const std::string& name, const Plane& plane, Imf::PixelType type, int alphas = 0) {
+    check_size(path, view.source.frame(), name, plane);
+    channels.push_back({name, type, alphas > 0 ? straight.divided(plane, alphas) : plane.view()});
   };
   for (std::size_t c = 0; c < 3; ++c) {
-    add(names[c], result.colour[c], options.half_colour ? Imf::HALF : Imf::FLOAT);
-    if (options.error) add(std::string("error.") + kRgb[c], result.error[c], Imf::FLOAT);
-    const ConstPlaneView& noisy = frame.colour[c];
+    add(names[c], result.colour[c], options.half_colour ? Imf::HALF : Imf::FLOAT, 1);
+    if (options.error) add(std::string("error.") + kRgb[c], result.error[c], Imf::FLOAT, 2);
+    const ConstPlaneView& noisy = file_colour[c];
     if (options.noisy) channels.push_back({std::string("noisy.") + kRgb[c], pixel_type(noisy.type()), noisy});
   }
   if (options.choice) add("choice.V", result.choice, Imf::FLOAT);
@@ -86,15 +106,15 @@ std::array<std::string, 3> colour_names(const SourceFile& file, const Layout& la
 
 /// The colour under the names that it has, what is new beside it, and the layers.
 std::vector<MemoryChannel> channels_of_view(const std::string& path, const ViewResult& view,
-                                            const WriteOptions& options, const SourceFile& file, const Layout& layout) {
-  const Frame& frame = view.source.frame();
+                                            const WriteOptions& options, const SourceFile& file, const Layout& layout,
+                                            const std::array<ConstPlaneView, 3>& file_colour, Straight& straight) {
   const std::array<std::string, 3> colour = colour_names(file, layout);
-  std::vector<MemoryChannel> channels = result_channels(path, frame, view.result, options, colour);
+  std::vector<MemoryChannel> channels = result_channels(path, view, options, colour, file_colour, straight);
   for (MemoryChannel& channel : channels) {
     const bool is_colour = std::find(colour.begin(), colour.end(), channel.name) != colour.end();
     if (!is_colour) channel.name = name_for_view(file, layout.main_part, view.source.view(), channel.name);
   }
-  const std::vector<MemoryChannel> layers = layer_channels(path, frame, view.result, options, file, layout);
+  const std::vector<MemoryChannel> layers = layer_channels(view.result, options, file, layout, straight);
   channels.insert(channels.end(), layers.begin(), layers.end());
   return channels;
 }
@@ -164,6 +184,10 @@ void write_frame(const std::string& path, const Frame& frame, const LoadedFrame&
                     std::to_string(frame.height) + " pixels, but the source '" + source.path() + "' has " +
                     std::to_string(source.frame().width) + " x " + std::to_string(source.frame().height));
   }
+  if (!source.data_->straight_alpha.empty()) {
+    throw Error(ErrorCode::kUnsupported, "cannot write '" + path + "': the colour of '" + source.path() +
+                                             "' was read as straight; only results can be written like it");
+  }
   const Mapping& mapping = source.data_->mapping;
   with_io_errors("write '" + path + "' from '" + source.path() + "'", [&] {
     SourceFile file(source.path(), mapping.companions, progress);
@@ -192,11 +216,16 @@ void write_results(const std::string& path, const std::vector<ViewResult>& views
     OutputRules rules{options.inputs, options.noisy, false, {}};
     std::vector<Role> roles(file.channels().size(), Role::kNone);
     std::vector<MemoryChannel> all;
+    std::deque<Straight> straights;
     for (const ViewResult& view : views) {
       if (view.source.path() != from)
         throw Error(ErrorCode::kInvalidArgument, "'" + view.source.path() + "' and '" + from + "' are two files");
       const Layout layout = reopened_layout(file, view.source, view.source.data_->mapping);
-      std::vector<MemoryChannel> channels = channels_of_view(path, view, options, file, layout);
+      const LoadedFrame::Data& data = *view.source.data_;
+      check_layers(path, view, data.straight_alpha);
+      Straight& straight = straights.emplace_back(view.result, data.straight_alpha);
+      std::vector<MemoryChannel> channels =
+          channels_of_view(path, view, options, file, layout, data.file_colour, straight);
       plan_new(channels, layout, rules);
       all.insert(all.end(), channels.begin(), channels.end());
       for (std::size_t i = 0; i < roles.size(); ++i) {

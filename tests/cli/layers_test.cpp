@@ -95,3 +95,51 @@ TEST_CASE("denoise: layers with unusable values are told of, wrong names refused
   CHECK(unknown.err.find("fill, key, A") != std::string::npos);
   CHECK(run_stein({"denoise", folder / "in.exr", "-o", folder / "none.exr", "--layers", "crypto00"}).exit_code != 0);
 }
+
+TEST_CASE("denoise: --straight-alpha gives what the premultiplied image gives, divided by the filtered alpha") {
+  const TemporaryFolder folder;
+  Channels image = image_with_layers();
+  std::vector<float>& alpha = image.values.at("A");
+  for (std::size_t i = 0; i < alpha.size(); ++i) alpha[i] = i % 64 < 20 ? 0.0F : i % 64 < 24 ? 0.25F : 1.0F;
+  Channels straight = image;
+  // Powers of 2: what is empty stays away, and the rest is exact.
+  for (auto& [name, values] : image.values) {
+    const bool is_colour = name.size() == 1 && name != "A";
+    const bool is_layer = name.rfind("key.", 0) == 0 || name.rfind("fill.", 0) == 0;
+    const bool is_variance = name.rfind("variance.", 0) == 0;
+    if (!is_colour && !is_layer && !is_variance) continue;
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] *= is_variance ? alpha[i] * alpha[i] : alpha[i];
+  }
+  write(folder / "premultiplied.exr", image);
+  write(folder / "straight.exr", straight);
+  REQUIRE(run_stein({"denoise", folder / "premultiplied.exr", "-o", folder / "a.exr", "--layers", "key,A"}).exit_code ==
+          0);
+  const Outcome outcome = run_stein({"denoise", folder / "straight.exr", "-o", folder / "b.exr", "--layers", "key",
+                                     "--straight-alpha", "--keep-noisy"});
+  INFO(outcome.err);
+  REQUIRE(outcome.exit_code == 0);
+  CHECK(outcome.out.find("the colour is straight: it was multiplied by A") != std::string::npos);
+  const std::vector<float> filtered_alpha = read_channel(folder / "a.exr", "A");
+  CHECK(read_channel(folder / "b.exr", "A") == filtered_alpha);
+  for (const char* name : {"R", "B", "key.G", "error.G"}) {
+    INFO(name);
+    const std::vector<float> premultiplied = read_channel(folder / "a.exr", name);
+    const std::vector<float> divided = read_channel(folder / "b.exr", name);
+    const bool is_error = std::string(name) == "error.G";
+    std::size_t wrong = 0;
+    for (std::size_t i = 0; i < divided.size(); ++i) {
+      const float divisor = is_error ? filtered_alpha[i] * filtered_alpha[i] : filtered_alpha[i];
+      wrong += divided[i] == (divisor > 0 ? premultiplied[i] / divisor : 0.0F) ? 0 : 1;
+    }
+    CHECK(wrong == 0);
+  }
+  CHECK(read_channel(folder / "b.exr", "noisy.R") == straight.values.at("R"));
+}
+
+TEST_CASE("denoise: --straight-alpha without alpha is refused") {
+  const TemporaryFolder folder;
+  write(folder / "in.exr", noisy_image(32, 24));
+  const Outcome outcome = run_stein({"denoise", folder / "in.exr", "-o", folder / "out.exr", "--straight-alpha"});
+  CHECK(outcome.exit_code == 2);
+  CHECK(outcome.err.find("it has no alpha") != std::string::npos);
+}

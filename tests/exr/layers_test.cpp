@@ -120,3 +120,16 @@ TEST_CASE("layers: a plane of another size is refused") {
   expect_error(ErrorCode::kInvalidArgument, {"out.exr", "A of the result", "3 x 3"},
                [&] { write_result(folder / "out.exr", source, result); });
 }
+
+TEST_CASE("straight alpha: the result needs the layer that divides it, and frames are not written") {
+  const TemporaryFolder folder;
+  write_layers(folder / "in.exr");
+  const LoadedFrame loaded = read_frame(folder / "in.exr", {.straight_alpha = true});
+  CHECK(names_of(loaded) == Names{"A"});
+  stein::DenoiseResult result = result_for(loaded.frame());
+  result.layers.clear();
+  expect_error(ErrorCode::kInvalidArgument, {"no layer 'A'"},
+               [&] { write_result(folder / "out.exr", loaded, result); });
+  expect_error(ErrorCode::kUnsupported, {"read as straight"},
+               [&] { stein::exr::write_frame(folder / "out.exr", loaded.frame(), loaded); });
+}

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "exr/straight_alpha.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace stein::exr {
+namespace {
+
+ConstPlaneView multiplied(const ConstPlaneView& plane, const ConstPlaneView& alpha, int power,
+                          std::vector<Plane>& memory) {
+  if (!plane) return plane;
+  Plane& out = memory.emplace_back(plane.width(), plane.height());
+  std::vector<float> factors(static_cast<std::size_t>(plane.width()));
+  for (int y = 0; y < plane.height(); ++y) {
+    alpha.read_row(y, 0, plane.width(), factors.data());
+    plane.read_row(y, 0, plane.width(), out.row(y));
+    for (int x = 0; x < plane.width(); ++x)
+      out.row(y)[x] *= std::pow(factors[static_cast<std::size_t>(x)], static_cast<float>(power));
+  }
+  return std::as_const(out).view();
+}
+
+}  // namespace
+
+void premultiply(const ConstPlaneView& alpha, Frame& frame, std::vector<Plane>& memory) {
+  const auto multiply = [&](auto& planes, int power) {
+    for (ConstPlaneView& plane : planes) plane = multiplied(plane, alpha, power, memory);
+  };
+  multiply(frame.colour, 1);
+  multiply(frame.colour_variance, 2);
+  multiply(frame.colour_covariance, 2);
+  for (Feature& feature : frame.features) multiply(feature.colour_covariance, 1);
+  for (Layer& layer : frame.layers) {
+    if (layer.mean.size() == 3) multiply(layer.mean, 1);
+  }
+}
+
+Straight::Straight(const DenoiseResult& result, const std::string& alpha) {
+  for (const FilteredLayer& layer : result.layers) {
+    if (!alpha.empty() && layer.name == alpha) alpha_ = &layer.mean.front();
+  }
+}
+
+ConstPlaneView Straight::divided(const Plane& plane, int power) {
+  if (alpha_ == nullptr) return plane.view();
+  Plane& out = memory_.emplace_back(plane.width(), plane.height());
+  for (int y = 0; y < plane.height(); ++y) {
+    for (int x = 0; x < plane.width(); ++x) {
+      const float alpha = alpha_->row(y)[x];
+      const float divisor = power == 2 ? alpha * alpha : alpha;
+      out.row(y)[x] = divisor > 0.0F ? plane.row(y)[x] / divisor : 0.0F;
+    }
+  }
+  return std::as_const(out).view();
+}
+
+}  // namespace stein::exr
