@@ -4,7 +4,7 @@
 # Makes Debian packages with shared libraries, libstein<version>, libstein-dev and stein, in build/packages, unpacks them into
 # a folder of its own, and sees that programs in C and C++ build against that and run, that the libraries export what the
 # headers declare and nothing else, and, as root, that dpkg would install them. Nothing is installed. Five minutes on two cores.
-# Usage: scripts/test-packages.sh
+# Usage: scripts/test-packages.sh [options of cmake]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source_folder=$PWD
@@ -12,7 +12,7 @@ build=$PWD/build/packages
 
 scripts/install-packages.sh
 cmake -G Ninja -B "$build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr -DBUILD_SHARED_LIBS=ON \
-  -DSTEIN_TESTS=OFF -DSTEIN_EMBED=OFF -DSTEIN_PATHTRACER=OFF
+  -DSTEIN_TESTS=OFF -DSTEIN_BENCH=OFF -DSTEIN_EMBED=OFF -DSTEIN_PATHTRACER=OFF "$@"
 cmake --build "$build"
 rm -f "$build"/*.deb
 (cd "$build" && cpack -G DEB)
