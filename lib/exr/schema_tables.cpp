@@ -80,8 +80,8 @@ constexpr std::array kPbrtEntries = join(
 constexpr std::array<Names, 3> kPbrtAssumptions = {
     "Variance.R/G/B are those of X, Y, Z, as pbrt's default sensor has it; in R, G, B they are taken as if X, Y and Z "
     "varied together, which is up to 1.5 times too much",
-    "a variance of 0 is unknown, because pbrt counts only samples that hit a surface; there it is how the colours of "
-    "the 3x3 pixels around differ",
+    "a variance of 0 is unknown, because pbrt counts only samples that hit a surface; there it is the squared "
+    "median difference from such pixels of the 3x3 around",
     "at silhouettes and the edges of lamps pbrt's variances are too small, so noise may stay there",
 };
 

@@ -107,13 +107,28 @@ TEST_CASE("pbrt: variances of single samples in XYZ") {
 TEST_CASE("pbrt: a variance of zero is how the neighbours differ") {
   const TemporaryFolder folder;
   ConstantFile file = pbrt_file();
-  file["R"].row(2)[2] = 10;  // one of nine values: variance 9^2 / 9
+  file["R"].row(2)[2] = 10;  // all around it have 1
   for (const char* name : {"Variance.R", "Variance.G", "Variance.B"}) file[name].row(2)[2] = 0;
   file.write(folder / "in.exr");
   const LoadedFrame loaded = read_frame(folder / "in.exr", {.samples_per_pixel = 8});
-  CHECK(loaded.frame().colour_variance[0].at(2, 2) == Approx(9).epsilon(1e-3));
+  CHECK(loaded.frame().colour_variance[0].at(2, 2) == Approx(81).epsilon(1e-3));
   CHECK(loaded.frame().colour_variance[1].at(2, 2) == Approx(0).margin(1e-4));
   CHECK(loaded.frame().colour_variance[0].at(1, 1) == Approx(0.5).epsilon(2e-3));
+}
+
+TEST_CASE("pbrt: a variance of zero is how neighbours without variance differ, where there are two") {
+  const TemporaryFolder folder;
+  ConstantFile file = pbrt_file();
+  const auto unknown = [&](int x, int y, float red) {
+    file["R"].row(y)[x] = red;
+    for (const char* name : {"Variance.R", "Variance.G", "Variance.B"}) file[name].row(y)[x] = 0;
+  };
+  for (int y = 1; y <= 3; ++y) unknown(2, y, 5.0F);
+  file["R"].row(3)[2] = 5.5F;  // the surface beside has 1
+  file.write(folder / "in.exr");
+  const LoadedFrame loaded = read_frame(folder / "in.exr", {.samples_per_pixel = 8});
+  CHECK(loaded.frame().colour_variance[0].at(2, 2) == Approx(0.25).epsilon(1e-3));  // the greater of the two
+  CHECK(loaded.frame().colour_variance[0].at(2, 1) == Approx(16).epsilon(1e-3));    // knows one such neighbour only
 }
 
 TEST_CASE("pbrt: the older names, and samples in the header") {
