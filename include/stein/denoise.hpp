@@ -46,6 +46,9 @@ struct OutlierParams {
   bool enabled = true;   ///< false: every valid pixel enters the filters as it is
   float excess = 2.0F;   ///< [0..100] standard errors of the brightest neighbour by which an outlier exceeds it
   float support = 2.0F;  ///< [0.001..100] own standard errors by which a pixel must exceed it to be believed
+  /// [0..100] px: standard deviation of the Gaussian by which what an outlier lost is given back to the result around
+  /// it, so that the image's sum stays; 0: it is lost.
+  float spread = 8.0F;
 };
 
 struct DenoiseParams {
@@ -83,7 +86,7 @@ struct FilterShare {
 struct DenoiseReport {
   FrameReport frame;
   std::int64_t outlier_pixels = 0;      ///< pixels that were scaled down before filtering
-  double outlier_energy = 0;            ///< what that removed from the filters' input, as a fraction of the image's sum
+  double outlier_energy = 0;            ///< what that kept out of the filters, as a fraction of the image's sum
   std::vector<std::string> candidates;  ///< entry names; index = value of the choice plane; 0 is the unfiltered input
   std::vector<double> choice_share;     ///< fraction of pixels whose largest weight is that entry's
   std::vector<FilterShare> filters;     ///< one for each filter, in their order

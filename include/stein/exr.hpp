@@ -49,9 +49,6 @@ struct ReadOptions {
   /// What goes into Frame::layers: "key" for the channels key.R, key.G and key.B, or the full name of a single channel
   /// such as "A". "all": every layer of R, G and B that is nothing else (no feature, no Cryptomatte), and alpha.
   std::vector<std::string> layers = {};
-  /// Colour and layers of R, G and B are divided by alpha, against OpenEXR's convention. They are multiplied by it, alpha
-  /// becomes a layer, and results are written divided by the filtered alpha.
-  bool straight_alpha = false;
   /// false: a file without variances of the colour is read as well. Its frame lacks them, so that `check` refuses it.
   bool require_variance = true;
   std::string preset = {};                         ///< name of the schema; empty: found by the names of the channels
@@ -63,6 +60,9 @@ struct ReadOptions {
   /// Called with the fraction read in [0, 1], in the calling thread, for each chunk of the file. Return false to
   /// cancel: Error kCancelled.
   std::function<bool(double)> progress = {};
+  /// Colour and layers of R, G and B are divided by alpha, against OpenEXR's convention. They are multiplied by it, alpha
+  /// becomes a layer, and results are written divided by the filtered alpha.
+  bool straight_alpha = false;
 };
 
 struct ViewResult;

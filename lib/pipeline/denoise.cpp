@@ -90,6 +90,7 @@ struct Run {
   const DenoiseParams& params;
   const Source& source;
   const LayerSource& layers;
+  const OutlierEnergy& energy;
   exec::RowPipelineGeometry geometry;
   exec::Runner& runner;
   StageClock& clock;
@@ -126,8 +127,8 @@ void filter_alone(Run& run, bool knows_covariances) {
   const exec::RowRing rows(MixtureRows::planes(run.layers.channels()), run.geometry.width, ring_rows);
   const MixtureRows picture(rows);
   std::vector<exec::RowStage> stages = job.plan_stages({picture, &run.result.choice});
-  ErrorStages errors(run.source, run.layers, run.params, picture, job.guides(), run.geometry, ring_rows, slots,
-                     run.result);
+  ErrorStages errors(run.source, run.layers, run.energy, run.params, picture, job.guides(), run.geometry, ring_rows,
+                     slots, run.result);
   stages.insert(stages.end(), errors.list().begin(), errors.list().end());
   run.execute(stages, left);
   run.doubt(job.findings(), knows_covariances);
@@ -194,8 +195,8 @@ void filter_together(Run& run, bool knows_covariances) {
   const int ring_rows = exec::ring_capacity(run.geometry, error_halos());
   const exec::RowRing mixed(MixtureRows::planes(run.layers.channels()), run.geometry.width, ring_rows);
   const GuideRows guides = make_guides(run.plans.front().spec, run.source, ring_rows);
-  ErrorStages errors(run.source, run.layers, run.params, MixtureRows(mixed), guides, run.geometry, ring_rows,
-                     run.runner.slots(), run.result);
+  ErrorStages errors(run.source, run.layers, run.energy, run.params, MixtureRows(mixed), guides, run.geometry,
+                     ring_rows, run.runner.slots(), run.result);
   const int pitch = run.geometry.tile_width;
   std::vector<std::vector<float>> lines(
       static_cast<std::size_t>(run.runner.slots()),
@@ -228,6 +229,7 @@ void check(const DenoiseParams& params) {
   for (const FilterSpec& filter : params.filters) check(filter);
   require_in_range("strength", params.strength, 0.0F, 1.0F);
   require_in_range("outliers.excess", params.outliers.excess, 0.0F, 100.0F);
+  require_in_range("outliers.spread", params.outliers.spread, 0.0F, 100.0F, "px");
   require_in_range("outliers.support", params.outliers.support, 1e-3F, 100.0F);
   require_in_range("monte_carlo.draws", static_cast<float>(params.monte_carlo.draws), 1.0F, 16.0F);
   require_in_range("monte_carlo.step", params.monte_carlo.step, 1e-3F, 1.0F, "standard deviations");
@@ -266,7 +268,9 @@ DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {
   clock.measure("outliers", [&] { replace_outliers(source, params, runner, report); });
 
   const LayerSource layers(frame, report.frame, source);
-  Run run{params, source, layers, geometry_of(frame, params.execution, runner.slots()), runner, clock, plans, result};
+  const OutlierEnergy energy(source, layers, params.outliers.spread);
+  Run run{params, source, layers, energy, geometry_of(frame, params.execution, runner.slots()),
+          runner, clock,  plans,  result};
   if (plans.size() == 1) {
     filter_alone(run, knows_covariances);
   } else {

@@ -26,11 +26,12 @@ std::vector<int> error_halos() {
   return halos;
 }
 
-ErrorStages::ErrorStages(const Source& source, const LayerSource& layers, const DenoiseParams& params,
-                         const MixtureRows& filtered, const GuideRows& guides,
+ErrorStages::ErrorStages(const Source& source, const LayerSource& layers, const OutlierEnergy& energy,
+                         const DenoiseParams& params, const MixtureRows& filtered, const GuideRows& guides,
                          const exec::RowPipelineGeometry& geometry, int ring_rows, int slots, DenoiseResult& result)
     : source_(source),
       layers_(layers),
+      energy_(energy),
       params_(params),
       filtered_(filtered),
       guides_(guides),
@@ -71,11 +72,11 @@ void ErrorStages::add_passes() {
 void ErrorStages::assess(const Rect& tile, int slot) {
   for (int y = tile.y0; y < tile.y1; ++y) {
     assess_row(tile, y, lines_of(slot));
-    finish_layers_row(layers_, filtered_, params_.strength, tile, y, lines_of(slot), result_.layers);
+    finish_layers_row(layers_, energy_, filtered_, params_.strength, tile, y, lines_of(slot), result_.layers);
   }
 }
 
-// The mixture of the filtered picture and the input that `strength` says, and its risk.
+// The mixture of the filtered picture, with what outliers lost, and the input that `strength` says, and its risk.
 void ErrorStages::assess_row(const Rect& tile, int y, float* lines) {
   const int n = tile.width();
   const auto line = [&](int i) { return lines + i * geometry_.tile_width; };
@@ -93,6 +94,7 @@ void ErrorStages::assess_row(const Rect& tile, int y, float* lines) {
       F[i] = strength * filtered[i] + (1.0F - strength) * mean[i];
       D[i] = strength * divergence[i] + (1.0F - strength) * variance[i];
     }
+    energy_.add_colour(c, y, tile.x0, n, strength, F);
     float* risk = risks_.row(c, y) + tile.x0;
     sure_row(F, D, mean, variance, n, risk);
     add_to_means(tile, c, y, F, risk);

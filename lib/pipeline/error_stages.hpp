@@ -13,6 +13,7 @@
 #include "pipeline/error_calibration.hpp"
 #include "pipeline/mixture.hpp"
 #include "prefilter/layer_source.hpp"
+#include "prefilter/outlier_energy.hpp"
 #include "prefilter/source.hpp"
 #include "select/guided_pass.hpp"
 #include "stein/denoise.hpp"
@@ -26,9 +27,9 @@ class ErrorStages {
  public:
   /// Everything referred to must outlive this. When a stage runs, earlier ones have filled the rows of `filtered` and
   /// of the guides that it reads.
-  ErrorStages(const Source& source, const LayerSource& layers, const DenoiseParams& params, const MixtureRows& filtered,
-              const GuideRows& guides, const exec::RowPipelineGeometry& geometry, int ring_rows, int slots,
-              DenoiseResult& result);
+  ErrorStages(const Source& source, const LayerSource& layers, const OutlierEnergy& energy, const DenoiseParams& params,
+              const MixtureRows& filtered, const GuideRows& guides, const exec::RowPipelineGeometry& geometry,
+              int ring_rows, int slots, DenoiseResult& result);
 
   /// In the order in which they run. The stages refer to this object.
   [[nodiscard]] const std::vector<exec::RowStage>& list() const noexcept { return list_; }
@@ -48,6 +49,7 @@ class ErrorStages {
 
   const Source& source_;
   const LayerSource& layers_;
+  const OutlierEnergy& energy_;
   const DenoiseParams& params_;
   MixtureRows filtered_;
   const GuideRows& guides_;

@@ -31,8 +31,8 @@ void warn_of_layers(const Frame& frame, DenoiseReport& report) {
   }
 }
 
-void finish_layers_row(const LayerSource& layers, const MixtureRows& filtered, float strength, const Rect& tile, int y,
-                       float* line, std::vector<FilteredLayer>& out) {
+void finish_layers_row(const LayerSource& layers, const OutlierEnergy& energy, const MixtureRows& filtered,
+                       float strength, const Rect& tile, int y, float* line, std::vector<FilteredLayer>& out) {
   const int n = tile.width();
   int channel = 0;
   for (FilteredLayer& layer : out) {
@@ -41,6 +41,7 @@ void finish_layers_row(const LayerSource& layers, const MixtureRows& filtered, f
       const float* F = filtered.layer(channel, y) + tile.x0;
       float* result = plane.row(y) + tile.x0;
       for (int i = 0; i < n; ++i) result[i] = strength * F[i] + (1.0F - strength) * line[i];
+      energy.add_layer(channel, y, tile.x0, n, strength, result);
       ++channel;
     }
   }

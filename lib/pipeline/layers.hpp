@@ -8,6 +8,7 @@
 #include "exec/rect.hpp"
 #include "pipeline/mixture.hpp"
 #include "prefilter/layer_source.hpp"
+#include "prefilter/outlier_energy.hpp"
 #include "stein/denoise.hpp"
 
 namespace stein {
@@ -18,8 +19,9 @@ namespace stein {
 /// Warns of each layer that had to be filled where the colour is usable.
 void warn_of_layers(const Frame& frame, DenoiseReport& report);
 
-/// The result: `filtered` as far as `strength` goes, and the input. `line`: scratch as wide as the tile.
-void finish_layers_row(const LayerSource& layers, const MixtureRows& filtered, float strength, const Rect& tile, int y,
-                       float* line, std::vector<FilteredLayer>& out);
+/// The result: `filtered` and what outliers lost as far as `strength` goes, and the input. `line`: scratch as wide as
+/// the tile.
+void finish_layers_row(const LayerSource& layers, const OutlierEnergy& energy, const MixtureRows& filtered,
+                       float strength, const Rect& tile, int y, float* line, std::vector<FilteredLayer>& out);
 
 }  // namespace stein

@@ -153,7 +153,8 @@ void summarise(const Source& source, const DenoiseParams& params, exec::Runner& 
     radiance += row.radiance;
   }
   mark_filled(source, result.choice);
-  report.outlier_energy = radiance > 0 ? report.outlier_energy / (radiance + report.outlier_energy) : 0.0;
+  if (params.outliers.spread == 0.0F) radiance += report.outlier_energy;
+  report.outlier_energy = radiance > 0 ? report.outlier_energy / radiance : 0.0;
   scale_density(result.density, density, runner);
   add_warnings(frame, radiance > 0 && has_no_variance(frame), report);
 }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "catch.hpp"
 #include "stein/error.hpp"
@@ -155,6 +156,46 @@ TEST_CASE("denoise: a firefly is scaled down, a bright pixel that its samples su
   const DenoiseResult kept = denoise(scene.frame.frame(), off);
   CHECK(kept.report.outlier_pixels == 0);
   CHECK(kept.colour[0].row(30)[30] > 10.0F);
+}
+
+TEST_CASE("denoise: what a firefly lost is given back around it, all of it, and nowhere else") {
+  Scene scene(0.05);
+  constexpr float kFirefly = 100.0F;
+  for (const char* c : {"R", "G", "B"}) {
+    scene.frame.at(c, 2, 30) = kFirefly;  // near the border: the Gaussian is cut there
+    scene.frame.at(std::string("variance.") + c, 2, 30) = kFirefly * kFirefly;
+  }
+  DenoiseParams params = bank();
+  params.outliers.spread = 0.0F;
+  const DenoiseResult lost = denoise(scene.frame.frame(), params);
+  params.outliers.spread = 3.0F;
+  const DenoiseResult kept = denoise(scene.frame.frame(), params);
+  params.strength = 0.5F;
+  const DenoiseResult half = denoise(scene.frame.frame(), params);
+  double sum = 0;
+  double half_sum = 0;
+  for (int y = 0; y < Scene::kHeight; ++y) {
+    for (int x = 0; x < Scene::kWidth; ++x) {
+      const float more = kept.colour[0].row(y)[x] - lost.colour[0].row(y)[x];
+      sum += more;
+      half_sum += half.colour[0].row(y)[x] - 0.5 * (static_cast<double>(lost.colour[0].row(y)[x]) +
+                                                    static_cast<double>(scene.frame.at("R", x, y)));
+      if (std::abs(x - 2) > 8 || std::abs(y - 30) > 8) CHECK(more == 0.0F);
+    }
+  }
+  double total = 0;
+  for (const DenoiseResult* result : {&lost, &kept}) {
+    double all = 0;
+    for (const Plane& plane : result->colour) {
+      for (int y = 0; y < Scene::kHeight; ++y) all += std::accumulate(plane.row(y), plane.row(y) + Scene::kWidth, 0.0);
+    }
+    total = all;
+    if (result == &lost) CHECK(3.0 * sum == Approx(result->report.outlier_energy * (all + 3.0 * sum)).epsilon(1e-4));
+  }
+  CHECK(3.0 * sum == Approx(kept.report.outlier_energy * total).epsilon(1e-4));
+  CHECK(sum > 0.9 * static_cast<double>(kFirefly));
+  CHECK(half_sum == Approx(0.5 * sum).epsilon(1e-3));
+  CHECK(kept.colour[0].row(30)[2] < 5.0F);
 }
 
 TEST_CASE("denoise: all pixels invalid is an error that says so") {
