@@ -24,6 +24,7 @@ constexpr const char* kFooter =
     "  stein denoise noisy.exr -o clean.exr --map albedo=Diffuse.R,G,B --variance-of sample --samples 16\n"
     "  stein denoise noisy.exr -o clean.exr --feature-sigma normal=0.4,albedo=0.1\n"
     "  stein denoise noisy.exr -o clean.exr --layers diffuse,specular,A\n"
+    "  stein denoise noisy.exr -o clean.exr --candidate oidn.exr --candidate-perturbed oidn_perturbed.exr\n"
     "  stein denoise noisy.####.exr -o clean.####.exr --frames 1-100,200-300:2 --skip-existing\n"
     "\n"
     "The filter rpf reads a file of raw samples (deep, as for stein accumulate) and writes the colour, and its error "
@@ -53,6 +54,7 @@ void declare(CLI::App& verb, DenoiseOptions& options) {
           "Layers to filter as the colour is, by name (key for key.R, key.G, key.B; or one channel, such as A); "
           "all: every layer of R, G and B that is nothing else, and alpha")
       ->delimiter(',');
+  declare(verb, options.candidates);
   verb.add_option("--strength", options.strength, "1: the reconstruction, 0: the input, between: a mix")
       ->capture_default_str();
   declare_output(verb, options);

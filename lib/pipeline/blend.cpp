@@ -93,12 +93,13 @@ Between between(int pixel, int blocks) {
 
 }  // namespace
 
-Blend::Blend(const Source& source, const LayerSource& layers, const std::vector<MixtureRows>& pictures,
+Blend::Blend(const Source& source, const LayerSource& layers, const std::vector<MixtureRows>& pictures, int trusted,
              exec::Runner& runner, double progress_weight)
     : source_(source),
       layers_(layers),
       pictures_(pictures),
       count_(1 + static_cast<int>(pictures.size())),
+      trusted_(trusted),
       columns_((source.frame().width + kBlock - 1) / kBlock),
       rows_((source.frame().height + kBlock - 1) / kBlock) {
   const auto row_start = [&](int row) { return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_); };
@@ -152,8 +153,8 @@ MixtureRisk Blend::block_risk(int column, int row, float* lines) const {
       }
       for (int x = 0; x < values.count; ++x) {
         float scale = 0;
-        for (int k = 1; k < count_; ++k) scale += values.residual[k][first + x];
-        scale /= static_cast<float>(count_ - 1);
+        for (int k = 1; k <= trusted_; ++k) scale += values.residual[k][first + x];
+        scale /= static_cast<float>(trusted_);
         values.weight[first + x] = 1.0F / (3.0F * (scale * scale + kRelativeEpsilon));
         for (int k = 0; k < count_; ++k) values.residual[k][first + x] -= mean[x];
       }

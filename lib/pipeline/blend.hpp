@@ -19,9 +19,10 @@ namespace stein {
 class Blend {
  public:
   /// Estimates the weights: one set for each block of pixels, from the risks around it, as far as they go, and those of
-  /// the whole image. `pictures`: of the whole image; they must outlive this.
-  Blend(const Source& source, const LayerSource& layers, const std::vector<MixtureRows>& pictures, exec::Runner& runner,
-        double progress_weight);
+  /// the whole image. `pictures`: of the whole image; they must outlive this. The first `trusted` of them say what
+  /// errors are relative to, and where variances cannot be right; the others can be anything.
+  Blend(const Source& source, const LayerSource& layers, const std::vector<MixtureRows>& pictures, int trusted,
+        exec::Runner& runner, double progress_weight);
 
   /// Mixes the tile's rows of the pictures; weights between the centres of blocks are interpolated. `choice` gets the
   /// picture of largest weight. `lines`: tile.width() floats of scratch for each picture, `pitch` apart.
@@ -40,6 +41,7 @@ class Blend {
   const LayerSource& layers_;
   std::vector<MixtureRows> pictures_;
   int count_;
+  int trusted_;
   int columns_;
   int rows_;
   std::vector<MixtureWeights> weights_;  // per block

@@ -1,0 +1,146 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""OIDN as an external candidate, through the files that a user has: what the mixture makes of it.
+
+    candidates.py renders FOLDER [FOLDER...]   each with s<samples>.exr in stein's names and ref.exr
+    candidates.py study --scene NAME ...       error against samples on scenes of the example path tracer
+
+Needs numpy, OpenEXR and pyoidn (pip). Prints the tables of docs/candidates.md; figures are relative MSE as printed by
+`stein compare`.
+"""
+import argparse
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import OpenEXR
+import pyoidn
+
+LAYERS = {"color": ["R", "G", "B"], "albedo": [f"albedo.{c}" for c in "RGB"], "normal": [f"normal.{c}" for c in "XYZ"]}
+
+
+def run_oidn(device, source, target):
+    """Colour, noisy albedo and noisy normal in; writes R, G, B."""
+    channels = OpenEXR.File(str(source), separate_channels=True).channels()
+    images = {
+        name: np.ascontiguousarray(np.stack([channels[c].pixels.astype(np.float32) for c in names], -1))
+        for name, names in LAYERS.items()
+    }
+    out = np.empty_like(images["color"])
+    oidn = pyoidn.Filter(device, "RT")
+    for name, image in images.items():
+        oidn.set_image(name, image, pyoidn.OIDN_FORMAT_FLOAT3)
+    oidn.set_image("output", out, pyoidn.OIDN_FORMAT_FLOAT3)
+    oidn.set_bool("hdr", True)
+    oidn.commit()
+    oidn.execute()
+    error = device.get_error()
+    if error is not None:
+        raise RuntimeError(error)
+    oidn.release()
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    OpenEXR.File(header, {"RGB": out}).write(str(target))
+
+
+def stein(program, *arguments):
+    done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        sys.exit(f"stein {' '.join(map(str, arguments))}: {done.stderr}")
+    return done.stdout
+
+
+def relative_error(program, image, reference):
+    return float(re.search(r"relative MSE\s+(\S+)", stein(program, "compare", image, reference)).group(1))
+
+
+def measure(args, device, noisy, reference, folder):
+    """relMSE of input, OIDN, stein, stein with OIDN; the estimated error of the last, and OIDN's weight in it."""
+    oidn, clean, mixed, report = (folder / n for n in ("oidn.exr", "clean.exr", "mixed.exr", "report.json"))
+    run_oidn(device, noisy, oidn)
+    moved = []
+    for draw in range(args.draws):
+        perturbed = folder / "perturbed.exr"
+        stein(args.stein, "perturb", noisy, "-o", perturbed, "--draw", draw, "--step", args.step, "--quiet")
+        moved.append(folder / f"oidn{draw}.exr")
+        run_oidn(device, perturbed, moved[-1])
+    options = ["--quality", args.quality, "--quiet"]
+    stein(args.stein, "denoise", noisy, "-o", clean, *options)
+    stein(args.stein, "denoise", noisy, "-o", mixed, *options, "--candidate", oidn, "--candidate-perturbed",
+          ",".join(map(str, moved)), "--candidate-step", args.step, "--json", report)
+    told = json.loads(report.read_text())
+    errors = [relative_error(args.stein, image, reference) for image in (noisy, oidn, clean, mixed)]
+    return errors + [told["mean_estimated_relative_error"], told["filters"][-1]["weight"]]
+
+
+def row(name, values):
+    errors = " | ".join(f"{v:.5f}" for v in values[:5])
+    return f"| {name} | {errors} | {values[3] / values[1]:.2f} | {100 * values[5]:.0f} % |"
+
+
+HEAD = "| {} | input | OIDN | stein | stein + OIDN | its estimate | to OIDN | OIDN's weight |\n|---|---|---|---|---|---|---|---|"
+
+
+def renders(args, device, folder):
+    rows = []
+    print(HEAD.format("render"), flush=True)
+    for source in args.folders:
+        samples = sorted(source.glob("s[0-9]*.exr"), key=lambda p: int(re.sub(r"\D", "", p.stem) or 0))
+        for noisy in (p for p in samples if re.fullmatch(r"s\d+", p.stem)):
+            rows.append(measure(args, device, noisy, source / "ref.exr", folder))
+            print(row(f"{source.name} {noisy.stem[1:]}", rows[-1]), flush=True)
+    means = [math.exp(sum(math.log(r[i]) for r in rows) / len(rows)) for i in range(5)] + [sum(r[5] for r in rows) / len(rows)]
+    print(row("geometric mean", means))
+
+
+def study(args, device, folder):
+    def trace(scene, samples, seed, path):
+        subprocess.run([args.pathtracer, "--scene", scene, "--size", args.size, "--samples", str(samples), "--seed",
+                        str(seed), "-o", str(path), "--quiet"], check=True)
+
+    for scene in args.scene:
+        reference = args.keep / f"{scene}_reference.exr" if args.keep else folder / "reference.exr"
+        if not reference.exists():
+            trace(scene, args.reference_samples, 1000, reference)
+        print(HEAD.format(scene), flush=True)
+        for samples in args.samples:
+            noisy = folder / "noisy.exr"
+            trace(scene, samples, 1, noisy)
+            print(row(str(samples), measure(args, device, noisy, reference, folder)), flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    build = Path(__file__).resolve().parents[2] / "build/release/examples"
+    parser.add_argument("--stein", default=build / "cli/stein")
+    parser.add_argument("--pathtracer", default=build / "pathtracer/pathtracer")
+    parser.add_argument("--draws", type=int, default=1)
+    parser.add_argument("--step", type=float, default=0.1)
+    parser.add_argument("--quality", default="default")
+    parser.add_argument("--threads", type=int, default=0, help="of OIDN")
+    modes = parser.add_subparsers(dest="mode", required=True)
+    of_renders = modes.add_parser("renders")
+    of_renders.add_argument("folders", type=Path, nargs="+")
+    of_study = modes.add_parser("study")
+    of_study.add_argument("--scene", action="append", required=True)
+    of_study.add_argument("--size", default="256x192")
+    of_study.add_argument("--samples", type=int, nargs="+", default=[4, 16, 64, 256, 1024, 4096])
+    of_study.add_argument("--reference-samples", type=int, default=16384)
+    of_study.add_argument("--keep", type=Path, help="folder where references stay")
+    args = parser.parse_args()
+    args.stein, args.pathtracer = os.fspath(args.stein), os.fspath(args.pathtracer)
+    device = pyoidn.Device(pyoidn.OIDN_DEVICE_TYPE_CPU)
+    device.set_int("numThreads", args.threads)
+    device.set_bool("setAffinity", False)
+    device.commit()
+    with tempfile.TemporaryDirectory() as folder:
+        (renders if args.mode == "renders" else study)(args, device, Path(folder))
+
+
+if __name__ == "__main__":
+    main()
