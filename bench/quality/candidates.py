@@ -94,8 +94,8 @@ def renders(args, device, folder):
         for noisy in (p for p in samples if re.fullmatch(r"s\d+", p.stem)):
             rows.append(measure(args, device, noisy, source / "ref.exr", folder))
             print(row(f"{source.name} {noisy.stem[1:]}", rows[-1]), flush=True)
-    means = [math.exp(sum(math.log(r[i]) for r in rows) / len(rows)) for i in range(5)] + [sum(r[5] for r in rows) / len(rows)]
-    print(row("geometric mean", means))
+    means = [math.exp(sum(math.log(r[i]) for r in rows) / len(rows)) for i in range(4)]
+    print("| geometric mean | " + " | ".join(f"{m:.5f}" for m in means) + f" | | {means[3] / means[1]:.2f} | |")
 
 
 def study(args, device, folder):

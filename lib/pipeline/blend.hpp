@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "exec/rect.hpp"
@@ -15,13 +16,19 @@
 
 namespace stein {
 
-/// Picture 0 is the input, picture k that of filter k - 1.
+/// Of the whole image.
+struct BlendPicture {
+  MixtureRows rows;
+  bool is_choice = false;    ///< made of several candidates by what their risks were; its D leaves that out
+  bool is_external = false;  ///< can be anything, also of another frame
+};
+
+/// Picture 0 is the input, picture k that of pictures[k - 1].
 class Blend {
  public:
   /// Estimates the weights: one set for each block of pixels, from the risks around it, as far as they go, and those of
-  /// the whole image. `pictures`: of the whole image; they must outlive this. The first `trusted` of them say what
-  /// errors are relative to, and where variances cannot be right; the others can be anything.
-  Blend(const Source& source, const LayerSource& layers, const std::vector<MixtureRows>& pictures, int trusted,
+  /// the whole image. `pictures`: external ones last, and not all of them; what they view must outlive this.
+  Blend(const Source& source, const LayerSource& layers, const std::vector<BlendPicture>& pictures,
         exec::Runner& runner, double progress_weight);
 
   /// Mixes the tile's rows of the pictures; weights between the centres of blocks are interpolated. `choice` gets the
@@ -33,15 +40,24 @@ class Blend {
   [[nodiscard]] MixtureWeights mean_weights() const;
 
  private:
-  [[nodiscard]] MixtureRisk block_risk(int column, int row, float* lines) const;
+  /// Bits of pictures.
+  using Pictures = std::uint32_t;
+  [[nodiscard]] std::vector<MixtureRisk> block_risks(const std::vector<Pictures>& compared, exec::Runner& runner,
+                                                     double progress_weight) const;
+  [[nodiscard]] MixtureRisk block_risk(int column, int row, Pictures compared, float* lines) const;
+  void add_externals(const std::vector<MixtureRisk>& own_risks, exec::Runner& runner, double progress_weight);
+  [[nodiscard]] Pictures plausible(const MixtureRisk& risk, const MixtureWeights& own) const;
+  [[nodiscard]] std::size_t row_start(int row) const noexcept {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_);
+  }
   [[nodiscard]] const MixtureWeights& weights(int column, int row) const noexcept;
   void weight_rows(const Rect& tile, int y, float* lines, std::ptrdiff_t pitch) const;
 
   const Source& source_;
   const LayerSource& layers_;
-  std::vector<MixtureRows> pictures_;
+  std::vector<BlendPicture> pictures_;
   int count_;
-  int trusted_;
+  int own_;  // how many of these are the input and the filters' pictures
   int columns_;
   int rows_;
   std::vector<MixtureWeights> weights_;  // per block

@@ -185,7 +185,7 @@ void name_choices(const std::vector<Picture>& pictures, const std::vector<int>& 
 // Several filters, one after the other, and then their mixture.
 void filter_together(Run& run, bool knows_covariances) {
   std::vector<Picture> pictures;
-  std::vector<MixtureRows> rows;
+  std::vector<BlendPicture> rows;
   std::vector<int> first_entry;  // of a filter, minus 1
   std::vector<double> costs;
   for (const FilterPlan& plan : run.plans)
@@ -207,13 +207,15 @@ void filter_together(Run& run, bool knows_covariances) {
     pictures.push_back(std::move(picture));
     first_entry.push_back(entries++);
   }
-  for (const Picture& picture : pictures) rows.emplace_back(picture.rows);
+  for (std::size_t p = 0; p < pictures.size(); ++p) {
+    const bool is_external = p >= run.plans.size();
+    const bool is_choice = !is_external && candidate_names(run.plans[p].spec).size() > 2;
+    rows.push_back({MixtureRows(pictures[p].rows), is_choice, is_external});
+  }
 
   std::optional<Blend> blend;
-  run.clock.measure("weigh", [&] {
-    blend.emplace(run.source, run.layers, rows, static_cast<int>(run.plans.size()), run.runner,
-                  kMainShare * kBlendShare / 2);
-  });
+  run.clock.measure("weigh",
+                    [&] { blend.emplace(run.source, run.layers, rows, run.runner, kMainShare * kBlendShare / 2); });
   const int ring_rows = exec::ring_capacity(run.geometry, error_halos());
   const exec::RowRing mixed(MixtureRows::planes(run.layers.channels()), run.geometry.width, ring_rows);
   const GuideRows guides = make_guides(run.plans.front().spec, run.source, ring_rows);
