@@ -146,13 +146,23 @@ Blend::Blend(const Source& source, const LayerSource& layers, const std::vector<
       columns_((source.frame().width + kBlock - 1) / kBlock),
       rows_((source.frame().height + kBlock - 1) / kBlock) {
   const double part = own_ == count_ ? progress_weight : progress_weight / 2;
-  const std::vector<MixtureRisk> risks = block_risks({}, runner, part);
-  weights_.resize(risks.size());
+  const std::vector<Pictures> none(row_start(rows_), 0);
+  const Risks risks = block_risks(none, runner, part);
+  weights_.resize(none.size());
   runner.for_each(rows_, 0.0, [&](int row, int) {
     for (std::size_t block = row_start(row); block < row_start(row + 1); ++block)
-      weights_[block] = least_risk(risks[block], own_);
+      weights_[block] = least_risk(risks.of(block, none[block]), own_);
   });
   if (own_ < count_) add_externals(risks, runner, part);
+}
+
+// Of a block with its surroundings, and some of the image.
+MixtureRisk Blend::Risks::of(std::size_t block, Pictures compared) const {
+  const MixtureRisk& image = images.at(compared);
+  MixtureRisk risk = blocks[block];
+  if (!(risk.pixels > 0)) return image;
+  risk.add(image, kImageShare * risk.pixels / image.pixels);
+  return risk;
 }
 
 // What is farther from the filters' mixture than the noise of the input is worse than the input: it has no say.
@@ -165,47 +175,43 @@ Blend::Pictures Blend::plausible(const MixtureRisk& risk, const MixtureWeights& 
 }
 
 // Weights anew, where there is an external picture that can be right; the others stay.
-void Blend::add_externals(const std::vector<MixtureRisk>& own_risks, exec::Runner& runner, double progress_weight) {
+void Blend::add_externals(const Risks& own_risks, exec::Runner& runner, double progress_weight) {
   const Pictures own = (Pictures{1} << static_cast<unsigned>(own_)) - 1;
-  std::vector<Pictures> compared(own_risks.size());
+  std::vector<Pictures> compared(weights_.size());
   runner.for_each(rows_, 0.0, [&](int row, int) {
     for (std::size_t block = row_start(row); block < row_start(row + 1); ++block)
-      compared[block] = own | plausible(own_risks[block], weights_[block]);
+      compared[block] = own | plausible(own_risks.blocks[block], weights_[block]);
   });
-  std::vector<MixtureRisk> risks = block_risks(compared, runner, progress_weight);
+  const Risks risks = block_risks(compared, runner, progress_weight);
   runner.for_each(rows_, 0.0, [&](int row, int) {
     for (std::size_t block = row_start(row); block < row_start(row + 1); ++block) {
       if (compared[block] == own) continue;
-      for (int k = 1; k < own_; ++k) {
-        const auto i = static_cast<std::size_t>(k);
-        if (pictures_[i - 1].is_choice) risks[block].divergences[i] *= kChoiceCharge;
+      MixtureRisk risk = risks.of(block, compared[block]);
+      for (std::size_t k = 1; k < static_cast<std::size_t>(own_); ++k) {
+        if (pictures_[k - 1].is_choice) risk.divergences[k] *= kChoiceCharge;
       }
-      weights_[block] = least_risk(risks[block], count_, compared[block]);
+      weights_[block] = least_risk(risk, count_, compared[block]);
     }
   });
 }
 
-// Of each block and its surroundings, and of the image. `compared`: see block_risk; empty: none.
-std::vector<MixtureRisk> Blend::block_risks(const std::vector<Pictures>& compared, exec::Runner& runner,
-                                            double progress_weight) const {
-  std::vector<MixtureRisk> grid(row_start(rows_));
+// `compared`: of each block, see block_risk.
+Blend::Risks Blend::block_risks(const std::vector<Pictures>& compared, exec::Runner& runner,
+                                double progress_weight) const {
+  Risks risks;
+  risks.blocks.resize(compared.size());
   std::vector<std::vector<float>> lines(static_cast<std::size_t>(runner.slots()),
                                         std::vector<float>(kBlockLines * kValues));
   runner.for_each(rows_, progress_weight, [&](int row, int slot) {
     for (int column = 0; column < columns_; ++column) {
       const std::size_t block = row_start(row) + static_cast<std::size_t>(column);
-      const Pictures of_block = compared.empty() ? 0 : compared[block];
-      grid[block] = block_risk(column, row, of_block, lines[static_cast<std::size_t>(slot)].data());
+      risks.blocks[block] = block_risk(column, row, compared[block], lines[static_cast<std::size_t>(slot)].data());
     }
   });
-  MixtureRisk image;
-  for (const MixtureRisk& block : grid) image.add(block, 1.0);
-  blur(columns_, rows_, runner, grid);
-  for (MixtureRisk& risk : grid) {
-    if (image.pixels > 0) risk.add(image, kImageShare * risk.pixels / image.pixels);
-    if (!(risk.pixels > 0)) risk = image;
-  }
-  return grid;
+  for (std::size_t block = 0; block < compared.size(); ++block)
+    risks.images[compared[block]].add(risks.blocks[block], 1.0);
+  blur(columns_, rows_, runner, risks.blocks);
+  return risks;
 }
 
 // `compared`: the pictures whose differences limit what a pixel counts; none: the filters' risks limit it.

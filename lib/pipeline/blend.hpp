@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "exec/rect.hpp"
@@ -42,10 +43,15 @@ class Blend {
  private:
   /// Bits of pictures.
   using Pictures = std::uint32_t;
-  [[nodiscard]] std::vector<MixtureRisk> block_risks(const std::vector<Pictures>& compared, exec::Runner& runner,
-                                                     double progress_weight) const;
+  struct Risks {
+    std::vector<MixtureRisk> blocks;         // of each, with its surroundings
+    std::map<Pictures, MixtureRisk> images;  // of all blocks in which the same pictures are compared
+    [[nodiscard]] MixtureRisk of(std::size_t block, Pictures compared) const;
+  };
+  [[nodiscard]] Risks block_risks(const std::vector<Pictures>& compared, exec::Runner& runner,
+                                  double progress_weight) const;
   [[nodiscard]] MixtureRisk block_risk(int column, int row, Pictures compared, float* lines) const;
-  void add_externals(const std::vector<MixtureRisk>& own_risks, exec::Runner& runner, double progress_weight);
+  void add_externals(const Risks& own_risks, exec::Runner& runner, double progress_weight);
   [[nodiscard]] Pictures plausible(const MixtureRisk& risk, const MixtureWeights& own) const;
   [[nodiscard]] std::size_t row_start(int row) const noexcept {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_);
