@@ -98,20 +98,67 @@ def renders(args, device, folder):
     print("| geometric mean | " + " | ".join(f"{m:.5f}" for m in means) + f" | | {means[3] / means[1]:.2f} | |")
 
 
-def study(args, device, folder):
-    def trace(scene, samples, seed, path):
-        subprocess.run([args.pathtracer, "--scene", scene, "--size", args.size, "--samples", str(samples), "--seed",
-                        str(seed), "-o", str(path), "--quiet"], check=True)
+def reference_noise(path):
+    """What the reference's own noise adds to every relMSE against it."""
+    channels = OpenEXR.File(str(path), separate_channels=True).channels()
+    of = lambda name: channels[name].pixels.astype(np.float64)
+    return float(np.mean([of(f"variance.{c}") / (of(c) ** 2 + 0.01) for c in "RGB"]))
 
+
+def study(args, device, folder):
+    keep = args.keep or folder
+
+    def trace(scene, samples, seed, path):
+        if not path.exists():
+            subprocess.run([args.pathtracer, "--scene", scene, "--size", args.size, "--samples", str(samples), "--seed",
+                            str(seed), "-o", str(path), "--quiet"], check=True)
+
+    curves = {}
     for scene in args.scene:
-        reference = args.keep / f"{scene}_reference.exr" if args.keep else folder / "reference.exr"
-        if not reference.exists():
-            trace(scene, args.reference_samples, 1000, reference)
+        reference = keep / f"{scene}_reference.exr"
+        trace(scene, args.reference_samples, 1000, reference)
+        noise = reference_noise(reference)
         print(HEAD.format(scene), flush=True)
         for samples in args.samples:
-            noisy = folder / "noisy.exr"
+            noisy = keep / f"{scene}_{samples}.exr"
             trace(scene, samples, 1, noisy)
-            print(row(str(samples), measure(args, device, noisy, reference, folder)), flush=True)
+            values = measure(args, device, noisy, reference, folder)
+            values[:4] = [value - noise for value in values[:4]]
+            curves.setdefault(scene, []).append((samples, values[:4]))
+            print(row(str(samples), values), flush=True)
+    if args.figure:
+        args.figure.write_text(figure(curves))
+
+
+SERIES = (("input", "#999999"), ("OIDN", "#d95f02"), ("stein", "#1b9e77"), ("stein + OIDN", "#3a3aa0"))
+
+
+def figure(curves):
+    """relMSE against samples, both logarithmic, a panel for each scene, as SVG."""
+    width, height, left, top = 360, 260, 60, 30
+    values = [v for points in curves.values() for _, four in points for v in four]
+    low, high = math.floor(math.log10(min(values))), math.ceil(math.log10(max(values)))
+    first, last = (math.log2(f(s for points in curves.values() for s, _ in points)) for f in (min, max))
+    parts = []
+    for panel, (scene, points) in enumerate(curves.items()):
+        x0 = panel * (width + left + 20) + left
+        at_x = lambda s: x0 + (math.log2(s) - first) / (last - first) * width
+        at_y = lambda v: top + (high - math.log10(v)) / (high - low) * height
+        parts.append(f'<text x="{x0 + width / 2}" y="18" text-anchor="middle">{scene}</text>')
+        for power in range(low, high + 1):
+            y = at_y(10.0**power)
+            parts.append(f'<path d="M{x0} {y:.1f}h{width}" stroke="#ddd"/>')
+            parts.append(f'<text x="{x0 - 6}" y="{y + 4:.1f}" text-anchor="end">1e{power}</text>')
+        for samples, _ in points:
+            parts.append(f'<text x="{at_x(samples):.1f}" y="{top + height + 18}" text-anchor="middle">{samples}</text>')
+        for i, (name, colour) in enumerate(SERIES):
+            line = " ".join(f"{at_x(s):.1f},{at_y(four[i]):.1f}" for s, four in points)
+            parts.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="2"/>')
+            y = top + height - 12 - 16 * (len(SERIES) - 1 - i)
+            parts.append(f'<text x="{x0 + 8}" y="{y}" fill="{colour}">{name}</text>')
+    size = f'width="{len(curves) * (width + left + 20)}" height="{top + height + 30}"'
+    return (f'<svg xmlns="http://www.w3.org/2000/svg" {size} font-family="sans-serif" font-size="12">'
+            f'<rect width="100%" height="100%" fill="white"/>{"".join(parts)}</svg>\n')
 
 
 def main():
@@ -130,8 +177,9 @@ def main():
     of_study.add_argument("--scene", action="append", required=True)
     of_study.add_argument("--size", default="256x192")
     of_study.add_argument("--samples", type=int, nargs="+", default=[4, 16, 64, 256, 1024, 4096])
-    of_study.add_argument("--reference-samples", type=int, default=16384)
-    of_study.add_argument("--keep", type=Path, help="folder where references stay")
+    of_study.add_argument("--reference-samples", type=int, default=8192)
+    of_study.add_argument("--keep", type=Path, help="folder where renders stay, and are taken from")
+    of_study.add_argument("--figure", type=Path, help="SVG file to write")
     args = parser.parse_args()
     args.stein, args.pathtracer = os.fspath(args.stein), os.fspath(args.pathtracer)
     device = pyoidn.Device(pyoidn.OIDN_DEVICE_TYPE_CPU)
