@@ -43,7 +43,10 @@ class Stopwatch {
 void check_paths(const DenoiseOptions& options) {
   check_output_path(options.output, options.input);
   CandidateOptions candidates = options.candidates;
-  candidates.for_each_path([&](const std::string& path) { check_output_path(options.output, path); });
+  candidates.for_each_path([&](const std::string& path) {
+    if (!is_same_file(path, options.output)) return;
+    throw Error(ErrorCode::kInvalidArgument, "-o " + options.output + " is a candidate's image: choose another file");
+  });
   if (options.json.empty()) return;
   if (is_same_file(options.json, options.input) || is_same_file(options.json, options.output)) {
     throw Error(ErrorCode::kInvalidArgument, "--json " + options.json + " is the image: choose another file");

@@ -204,7 +204,7 @@ TEST_CASE("mistakes in arguments") {
        {"output is a candidate",
         "denoise noisy.exr -o small.exr --candidate small.exr --candidate-perturbed flat.exr",
         2,
-        {"small.exr is the input itself"}},
+        {"small.exr is a candidate's image"}},
        {"a step too large", "perturb noisy.exr -o out.exr --step 2", 2, {"step of a perturbation is 2"}},
        {"a negative draw", "perturb noisy.exr -o out.exr --draw -1", 2, {"draw of a perturbation is -1"}},
        {"output is the input", "perturb noisy.exr -o noisy.exr", 2, {"noisy.exr is the input itself"}},
