@@ -20,32 +20,9 @@ from pathlib import Path
 
 import numpy as np
 import OpenEXR
-import pyoidn
 
-LAYERS = {"color": ["R", "G", "B"], "albedo": [f"albedo.{c}" for c in "RGB"], "normal": [f"normal.{c}" for c in "XYZ"]}
-
-
-def run_oidn(device, source, target):
-    """Colour, noisy albedo and noisy normal in; writes R, G, B."""
-    channels = OpenEXR.File(str(source), separate_channels=True).channels()
-    images = {
-        name: np.ascontiguousarray(np.stack([channels[c].pixels.astype(np.float32) for c in names], -1))
-        for name, names in LAYERS.items()
-    }
-    out = np.empty_like(images["color"])
-    oidn = pyoidn.Filter(device, "RT")
-    for name, image in images.items():
-        oidn.set_image(name, image, pyoidn.OIDN_FORMAT_FLOAT3)
-    oidn.set_image("output", out, pyoidn.OIDN_FORMAT_FLOAT3)
-    oidn.set_bool("hdr", True)
-    oidn.commit()
-    oidn.execute()
-    error = device.get_error()
-    if error is not None:
-        raise RuntimeError(error)
-    oidn.release()
-    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
-    OpenEXR.File(header, {"RGB": out}).write(str(target))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "examples"))
+from oidn import open_device, run_oidn  # noqa: E402
 
 
 def stein(program, *arguments):
@@ -182,10 +159,7 @@ def main():
     of_study.add_argument("--figure", type=Path, help="SVG file to write")
     args = parser.parse_args()
     args.stein, args.pathtracer = os.fspath(args.stein), os.fspath(args.pathtracer)
-    device = pyoidn.Device(pyoidn.OIDN_DEVICE_TYPE_CPU)
-    device.set_int("numThreads", args.threads)
-    device.set_bool("setAffinity", False)
-    device.commit()
+    device = open_device(args.threads)
     with tempfile.TemporaryDirectory() as folder:
         (renders if args.mode == "renders" else study)(args, device, Path(folder))
 

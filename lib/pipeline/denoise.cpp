@@ -8,7 +8,6 @@
 #include <chrono>
 #include <numeric>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 
@@ -244,26 +243,6 @@ void describe(const std::string& filter, const RiskChoice& risk, DenoiseReport& 
     const auto same = std::find(report.warnings.begin(), report.warnings.end(), warning);
     if (same == report.warnings.end()) report.warnings.push_back(warning);
   }
-}
-
-void check_candidates(const DenoiseParams& params) {
-  require_in_range("the number of filters and external candidates",
-                   static_cast<float>(params.filters.size() + params.candidates.size()), 1.0F, kMaxFilters);
-  std::set<std::string> names;
-  for (const ExternalCandidate& candidate : params.candidates) {
-    check(candidate);
-    if (names.insert(candidate.name).second) continue;
-    throw Error(ErrorCode::kInvalidArgument,
-                "two external candidates are called '" + candidate.name + "'; give each a name of its own");
-  }
-}
-
-void require_no_layers(const Frame& frame, const DenoiseParams& params) {
-  if (frame.layers.empty() || params.candidates.empty()) return;
-  throw Error(ErrorCode::kInvalidArgument, "the layer '" + frame.layers.front().name +
-                                               "' cannot be filtered as the colour is by the external candidate '" +
-                                               params.candidates.front().name +
-                                               "'; leave out the layers, or the candidate");
 }
 
 }  // namespace

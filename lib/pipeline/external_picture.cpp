@@ -4,6 +4,7 @@
 #include "pipeline/external_picture.hpp"
 
 #include <algorithm>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -168,6 +169,26 @@ void check(const ExternalCandidate& candidate) {
   } else {
     for (const ExternalDraw& draw : std::get<ExternalImages>(candidate.source).draws) check(draw.perturbation);
   }
+}
+
+void check_candidates(const DenoiseParams& params) {
+  require_in_range("the number of filters and external candidates",
+                   static_cast<float>(params.filters.size() + params.candidates.size()), 1.0F, kMaxFilters);
+  std::set<std::string> names;
+  for (const ExternalCandidate& candidate : params.candidates) {
+    check(candidate);
+    if (names.insert(candidate.name).second) continue;
+    throw Error(ErrorCode::kInvalidArgument,
+                "two external candidates are called '" + candidate.name + "'; give each a name of its own");
+  }
+}
+
+void require_no_layers(const Frame& frame, const DenoiseParams& params) {
+  if (frame.layers.empty() || params.candidates.empty()) return;
+  throw Error(ErrorCode::kInvalidArgument, "the layer '" + frame.layers.front().name +
+                                               "' cannot be filtered as the colour is by the external candidate '" +
+                                               params.candidates.front().name +
+                                               "'; leave out the layers, or the candidate");
 }
 
 }  // namespace stein

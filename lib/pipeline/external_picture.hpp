@@ -7,6 +7,7 @@
 #include "exec/runner.hpp"
 #include "prefilter/source.hpp"
 #include "stein/candidate.hpp"
+#include "stein/denoise.hpp"
 
 namespace stein {
 
@@ -16,6 +17,12 @@ namespace stein {
 /// the frame has one; kCancelled; what the denoiser throws.
 [[nodiscard]] exec::RowRing external_picture(const Source& given, const ExternalCandidate& candidate,
                                              exec::Runner& runner, double progress_weight);
+
+/// All of them together, with the filters. @throws Error kInvalidArgument.
+void check_candidates(const DenoiseParams& params);
+
+/// @throws Error kInvalidArgument for a frame with layers, where there are candidates.
+void require_no_layers(const Frame& frame, const DenoiseParams& params);
 
 /// Runs of the candidate on perturbed frames.
 [[nodiscard]] int draws_of(const ExternalCandidate& candidate) noexcept;
