@@ -17,9 +17,6 @@ constexpr double kImageShare = 0.3;  // of the image's mean risk, next to the me
 // A pixel whose relative risk is above this counts as much less: few pixels with wrong variances must not decide.
 constexpr float kLimit = 0.3F;
 constexpr float kNoiseLimit = 0.1F;  // the same for its noise, where pictures that are no filter's are compared
-// The divergence of a picture of several candidates is larger by that of their choice, which it leaves out; measured
-// (docs/selection.md).
-constexpr double kChoiceCharge = 1.15;
 
 // The residuals, divergences and weights of one row of a block, all channels one after the other.
 struct BlockRow {
@@ -186,11 +183,7 @@ void Blend::add_externals(const Risks& own_risks, exec::Runner& runner, double p
   runner.for_each(rows_, 0.0, [&](int row, int) {
     for (std::size_t block = row_start(row); block < row_start(row + 1); ++block) {
       if (compared[block] == own) continue;
-      MixtureRisk risk = risks.of(block, compared[block]);
-      for (std::size_t k = 1; k < static_cast<std::size_t>(own_); ++k) {
-        if (pictures_[k - 1].is_choice) risk.divergences[k] *= kChoiceCharge;
-      }
-      weights_[block] = least_risk(risk, count_, compared[block]);
+      weights_[block] = least_risk(risks.of(block, compared[block]), count_, compared[block]);
     }
   });
 }

@@ -20,7 +20,6 @@ namespace stein {
 /// Of the whole image.
 struct BlendPicture {
   MixtureRows rows;
-  bool is_choice = false;    ///< made of several candidates by what their risks were; its D leaves that out
   bool is_external = false;  ///< can be anything, also of another frame
 };
 

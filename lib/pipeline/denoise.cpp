@@ -206,11 +206,8 @@ void filter_together(Run& run, bool knows_covariances) {
     pictures.push_back(std::move(picture));
     first_entry.push_back(entries++);
   }
-  for (std::size_t p = 0; p < pictures.size(); ++p) {
-    const bool is_external = p >= run.plans.size();
-    const bool is_choice = !is_external && candidate_names(run.plans[p].spec).size() > 2;
-    rows.push_back({MixtureRows(pictures[p].rows), is_choice, is_external});
-  }
+  for (std::size_t p = 0; p < pictures.size(); ++p)
+    rows.push_back({MixtureRows(pictures[p].rows), p >= run.plans.size()});
 
   std::optional<Blend> blend;
   run.clock.measure("weigh",
