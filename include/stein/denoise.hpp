@@ -59,6 +59,9 @@ struct DenoiseParams {
   /// Images of other denoisers that are mixed with those of the filters; of both together at most kMaxFilters. The
   /// frame can have no layers then, which nobody but stein's own filters knows how to filter alike.
   std::vector<ExternalCandidate> candidates;
+  /// One more picture: adaptive order on what the filters of Quality::kDefault make of the frame, with the estimated
+  /// error as its variance. Takes about four times the time of those.
+  bool second_pass = false;
   Risk risk = Risk::kAuto;
   MonteCarloParams monte_carlo;  ///< read where the risk is estimated that way
   OutlierParams outliers;

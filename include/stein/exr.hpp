@@ -62,8 +62,8 @@ struct ReadOptions {
   /// Called with the fraction read in [0, 1], in the calling thread, for each chunk of the file. Return false to
   /// cancel: Error kCancelled.
   std::function<bool(double)> progress = {};
-  /// Colour and layers of R, G and B are divided by alpha, against OpenEXR's convention. They are multiplied by it, alpha
-  /// becomes a layer, and results are written divided by the filtered alpha.
+  /// Colour and layers of R, G and B are divided by alpha, against OpenEXR's convention. They are multiplied by it,
+  /// alpha becomes a layer, and results are written divided by the filtered alpha.
   bool straight_alpha = false;
 };
 

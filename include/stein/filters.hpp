@@ -209,7 +209,7 @@ inline constexpr int kMaxFilters = 7;  ///< that are mixed
 enum class Quality : std::uint8_t {
   kFast,     ///< the cheapest one that is any good
   kDefault,  ///< most of what the best one gives at half the time
-  kBest,     ///< whatever adds something
+  kBest,     ///< whatever adds something; with DenoiseParams::second_pass
 };
 
 /// The filters of a quality, with their parameters. docs/performance.md has their times, docs/quality.md their errors.

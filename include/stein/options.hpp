@@ -13,7 +13,8 @@
 #pragma GCC visibility push(default)
 namespace stein {
 
-/// Texts. quality (fast, default, best) takes the place of the filters and their parameters: set it first. Of the
+/// Texts. quality (fast, default, best) takes the place of the filters and their parameters, and of second-pass: set it
+/// first. Of the
 /// filters that have such a parameter (filters.hpp):
 ///
 ///   bank            final, intermediate (cheaper, for use between batches of samples)
@@ -32,7 +33,8 @@ void set_option(DenoiseParams& params, const std::string& name, const std::strin
 /// Numbers; whole ones where they count. Of filters that have such a parameter: feature-sigma.<feature>,
 /// other-feature-sigma, min-feature-variance, range-sigma, spatial-sigma, window-radius, patch-radius, patch-blur,
 /// noise-threshold, ridge, curvature-ridge, levels, value-sigma, fixed-weight, noise-margin, weight-steps; and of the
-/// rest: strength, draws, seed (0 to 2^53), outliers and strict (0 or 1), threads, tile-width, tile-height.
+/// rest: strength, draws, seed (0 to 2^53), outliers, second-pass and strict (0 or 1), threads, tile-width,
+/// tile-height.
 void set_option(DenoiseParams& params, const std::string& name, double value);
 
 /// Whether the filter has a cheaper bank, so that the option `bank` is one of its own.

@@ -20,6 +20,7 @@
 #include "pipeline/filter_job.hpp"
 #include "pipeline/layers.hpp"
 #include "pipeline/risk_choice.hpp"
+#include "pipeline/second_pass.hpp"
 #include "pipeline/summary.hpp"
 #include "prefilter/outliers.hpp"
 #include "prefilter/source.hpp"
@@ -160,8 +161,10 @@ Picture make_picture(Run& run, const FilterPlan& plan, double share, Survey* fin
 // The mixture gets back what outliers lost, whatever it is of; a candidate that never lost it must not have it twice.
 void take_outlier_energy(Run& run, const exec::RowRing& rows) {
   const MixtureRows picture(rows);
+  const int width = run.geometry.width;
   run.runner.for_each(run.geometry.height, 0.0, [&](int y, int) {
-    for (int c = 0; c < 3; ++c) run.energy.add_colour(c, y, 0, run.geometry.width, -1.0F, picture.result(c, y));
+    for (int c = 0; c < 3; ++c) run.energy.add_colour(c, y, 0, width, -1.0F, picture.result(c, y));
+    for (int c = 0; c < run.layers.channels(); ++c) run.energy.add_layer(c, y, 0, width, -1.0F, picture.layer(c, y));
   });
 }
 
@@ -278,7 +281,8 @@ void check(const DenoiseParams& params) {
 DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {
   check(params);
   check(frame);
-  require_no_layers(frame, params);
+  require_layers(frame, params);
+  if (params.second_pass) return denoise_twice(frame, params);
   DenoiseResult result;
   DenoiseReport& report = result.report;
   std::vector<FilterPlan> plans;

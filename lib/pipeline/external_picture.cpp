@@ -4,6 +4,7 @@
 #include "pipeline/external_picture.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
 #include <utility>
@@ -32,6 +33,12 @@ Layer as_layer(const ExternalCandidate& candidate, const Image& image) {
   return {candidate.name, {image.begin(), image.end()}};
 }
 
+int layer_channels(const Frame& frame) {
+  int channels = 0;
+  for (const Layer& layer : frame.layers) channels += static_cast<int>(layer.mean.size());
+  return channels;
+}
+
 class Pictures {
  public:
   Pictures(const Source& given, const ExternalCandidate& candidate, exec::Runner& runner, double progress_weight)
@@ -40,12 +47,13 @@ class Pictures {
         candidate_(candidate),
         runner_(runner),
         share_(progress_weight / (1 + draws_of(candidate))),
-        rows_(MixtureRows::planes(0), frame_.width, frame_.height),
+        rows_(MixtureRows::planes(layer_channels(frame_)), frame_.width, frame_.height),
         out_(rows_),
         lines_(static_cast<std::size_t>(runner.slots()), std::vector<float>(static_cast<std::size_t>(frame_.width))) {}
 
   exec::RowRing make() {
     take_image(answer(nullptr).image);
+    if (layer_channels(frame_) > 0) take_layers(std::get<ExternalImages>(candidate_.source).layers);
     for (int draw = 0; draw < draws_of(candidate_); ++draw) {
       const Perturbation perturbation = perturbation_of(draw);
       add_draw(answer(&perturbation, draw).image, given_.perturbed(perturbation), perturbation.step);
@@ -116,6 +124,21 @@ class Pictures {
     });
   }
 
+  void take_layers(const std::vector<ConstPlaneView>& layers) {
+    for (std::size_t c = 0; c < layers.size(); ++c) {
+      if (layers[c].width() != frame_.width || layers[c].height() != frame_.height)
+        refuse(candidate_, "its layers are not of the frame's size");
+    }
+    runner_.for_each(frame_.height, 0.0, [&](int y, int) {
+      for (std::size_t c = 0; c < layers.size(); ++c) {
+        float* row = out_.layer(static_cast<int>(c), y);
+        layers[c].read_row(y, 0, frame_.width, row);
+        if (!std::all_of(row, row + frame_.width, [](float v) { return std::isfinite(v); }))
+          refuse(candidate_, "its layers hold what is no number in row " + std::to_string(y));
+      }
+    });
+  }
+
   // As FilterRuns::add_draw.
   void add_draw(const Image& image, const Source& moved, float step) {
     const float factor = 1.0F / (step * static_cast<float>(draws_of(candidate_)));
@@ -172,8 +195,8 @@ void check(const ExternalCandidate& candidate) {
 }
 
 void check_candidates(const DenoiseParams& params) {
-  require_in_range("the number of filters and external candidates",
-                   static_cast<float>(params.filters.size() + params.candidates.size()), 1.0F, kMaxFilters);
+  const std::size_t pictures = params.filters.size() + params.candidates.size() + (params.second_pass ? 1 : 0);
+  require_in_range("the number of filters and external candidates", static_cast<float>(pictures), 1.0F, kMaxFilters);
   std::set<std::string> names;
   for (const ExternalCandidate& candidate : params.candidates) {
     check(candidate);
@@ -183,12 +206,16 @@ void check_candidates(const DenoiseParams& params) {
   }
 }
 
-void require_no_layers(const Frame& frame, const DenoiseParams& params) {
-  if (frame.layers.empty() || params.candidates.empty()) return;
-  throw Error(ErrorCode::kInvalidArgument, "the layer '" + frame.layers.front().name +
-                                               "' cannot be filtered as the colour is by the external candidate '" +
-                                               params.candidates.front().name +
-                                               "'; leave out the layers, or the candidate");
+void require_layers(const Frame& frame, const DenoiseParams& params) {
+  const auto channels = static_cast<std::size_t>(layer_channels(frame));
+  for (const ExternalCandidate& candidate : params.candidates) {
+    const auto* images = std::get_if<ExternalImages>(&candidate.source);
+    if ((images != nullptr ? images->layers.size() : 0) == channels) continue;
+    if (channels == 0) refuse(candidate, "it has layers, which the frame has not");
+    throw Error(ErrorCode::kInvalidArgument, "the layer '" + frame.layers.front().name +
+                                                 "' cannot be filtered as the colour is by the external candidate '" +
+                                                 candidate.name + "'; leave out the layers, or the candidate");
+  }
 }
 
 }  // namespace stein

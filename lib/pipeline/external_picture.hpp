@@ -11,7 +11,7 @@
 
 namespace stein {
 
-/// Planes of the whole image as in MixtureRows, without layers. `given`: the frame without outliers scaled down, as the
+/// Planes of the whole image as in MixtureRows. `given`: the frame without outliers scaled down, as the
 /// candidate saw it. Pixels without usable colour are filled from their neighbours.
 /// @throws Error kInvalidArgument naming the candidate for images of another size, or that hold what is no colour where
 /// the frame has one; kCancelled; what the denoiser throws.
@@ -21,8 +21,8 @@ namespace stein {
 /// All of them together, with the filters. @throws Error kInvalidArgument.
 void check_candidates(const DenoiseParams& params);
 
-/// @throws Error kInvalidArgument for a frame with layers, where there are candidates.
-void require_no_layers(const Frame& frame, const DenoiseParams& params);
+/// @throws Error kInvalidArgument for a frame with layers, where there are candidates without.
+void require_layers(const Frame& frame, const DenoiseParams& params);
 
 /// Runs of the candidate on perturbed frames.
 [[nodiscard]] int draws_of(const ExternalCandidate& candidate) noexcept;

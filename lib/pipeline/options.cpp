@@ -40,17 +40,19 @@ std::uint64_t seed_of(const std::string& name, double value) {
   return static_cast<std::uint64_t>(whole(name, value, kLargest));
 }
 
-std::vector<FilterSpec> filters_of_quality(const std::string& name, const std::string& text) {
+void set_quality(DenoiseParams& params, const std::string& name, const std::string& text) {
   constexpr std::array<Word<Quality>, 3> kWords = {
       {{"fast", Quality::kFast}, {"default", Quality::kDefault}, {"best", Quality::kBest}}};
-  return filters_of(choose(name, text, kWords));
+  const Quality quality = choose(name, text, kWords);
+  params.filters = filters_of(quality);
+  params.second_pass = quality == Quality::kBest;
 }
 
 using Params = DenoiseParams;
 using Text = std::string;
 
 constexpr auto kTexts = std::to_array<Option<Params, const Text&>>({
-    {"quality", [](Params& p, const Text& n, const Text& v) { p.filters = filters_of_quality(n, v); }},
+    {"quality", set_quality},
     {"risk", [](Params& p, const Text& n, const Text& v) { p.risk = risk_of(n, v); }},
     {"selection", [](Params& p, const Text& n, const Text& v) { p.selection = selection_of(n, v); }},
     {"density-rule", [](Params& p, const Text& n, const Text& v) { p.density.rule = density_rule_of(n, v); }},
@@ -61,6 +63,7 @@ constexpr auto kNumbers = std::to_array<Option<Params, double>>({
     {"draws", [](Params& p, const Text& n, double v) { p.monte_carlo.draws = count_of(n, v); }},
     {"seed", [](Params& p, const Text& n, double v) { p.monte_carlo.seed = seed_of(n, v); }},
     {"outliers", [](Params& p, const Text& n, double v) { p.outliers.enabled = yes_or_no(n, v); }},
+    {"second-pass", [](Params& p, const Text& n, double v) { p.second_pass = yes_or_no(n, v); }},
     {"strict", [](Params& p, const Text& n, double v) { p.strict = yes_or_no(n, v); }},
     {"threads", [](Params& p, const Text& n, double v) { p.execution.threads = count_of(n, v); }},
     {"tile-width", [](Params& p, const Text& n, double v) { p.execution.tile_width = count_of(n, v); }},
