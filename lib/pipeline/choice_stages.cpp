@@ -30,14 +30,13 @@ std::vector<int> choice_halos(Selection selection) {
 }
 
 ChoiceStages::ChoiceStages(const Source& source, Selection selection, FilterRuns& runs, const Survey* prior,
-                           Surveyor& surveyor, const exec::RowPipelineGeometry& geometry, int ring_rows, int slots,
-                           const Mixture& out)
+                           Surveyor& surveyor, const exec::RowPipelineGeometry& geometry, int slots, const Mixture& out)
     : source_(source),
       selection_(selection),
       runs_(runs),
       geometry_(geometry),
       out_(out),
-      ring_rows_(ring_rows),
+      ring_rows_(exec::window_between(geometry, choice_halos(selection))),
       entries_(runs.entries()),
       surveyor_(prior == nullptr ? &surveyor : nullptr),
       weighs_evidence_(prior != nullptr),

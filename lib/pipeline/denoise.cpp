@@ -117,18 +117,16 @@ struct Run {
 
 // One filter: its picture is the result, and no plane of the image's size is needed beside that.
 void filter_alone(Run& run, bool knows_covariances) {
-  std::vector<int> halos = job_halos(run.plans.front(), run.params.selection);
-  for (const int halo : error_halos()) halos.push_back(halo);
-  const int ring_rows = exec::ring_capacity(run.geometry, halos);
   const int slots = run.runner.slots();
-  FilterJob job(run.source, run.layers, run.plans.front(), run.params.selection, run.geometry, ring_rows, slots);
+  FilterJob job(run.source, run.layers, run.plans.front(), run.params.selection, run.geometry, error_halos(), slots);
   const double left = run.survey(job, kMainShare);
 
-  const exec::RowRing rows(MixtureRows::planes(run.layers.channels()), run.geometry.width, ring_rows);
+  const exec::RowRing rows(MixtureRows::planes(run.layers.channels()), run.geometry.width,
+                           exec::ring_capacity(run.geometry, {}));
   const MixtureRows picture(rows);
   std::vector<exec::RowStage> stages = job.plan_stages({picture, &run.result.choice});
-  ErrorStages errors(run.source, run.layers, run.energy, run.params, picture, job.guides(), run.geometry, ring_rows,
-                     slots, run.result);
+  ErrorStages errors(run.source, run.layers, run.energy, run.params, picture, job.guides(), run.geometry,
+                     exec::window_between(run.geometry, error_halos()), slots, run.result);
   stages.insert(stages.end(), errors.list().begin(), errors.list().end());
   run.execute(stages, left);
   run.doubt(job.findings(), knows_covariances);
@@ -144,10 +142,9 @@ struct Picture {
 
 Picture make_picture(Run& run, const FilterPlan& plan, double share, Survey* findings) {
   const exec::RowPipelineGeometry& geometry = run.geometry;
-  const int ring_rows = exec::ring_capacity(geometry, job_halos(plan, run.params.selection));
   Picture picture{exec::RowRing(MixtureRows::planes(run.layers.channels()), geometry.width, geometry.height),
                   Plane(geometry.width, geometry.height)};
-  FilterJob job(run.source, run.layers, plan, run.params.selection, geometry, ring_rows, run.runner.slots());
+  FilterJob job(run.source, run.layers, plan, run.params.selection, geometry, {}, run.runner.slots());
   const double left = run.survey(job, share);
   run.execute(job.plan_stages({MixtureRows(picture.rows), &picture.choice}), left);
   if (findings != nullptr) *findings = job.findings();
@@ -192,11 +189,12 @@ void filter_together(Run& run, bool knows_covariances) {
   std::optional<Blend> blend;
   run.clock.measure("weigh",
                     [&] { blend.emplace(run.source, run.layers, rows, run.runner, kMainShare * kBlendShare / 2); });
-  const int ring_rows = exec::ring_capacity(run.geometry, error_halos());
-  const exec::RowRing mixed(MixtureRows::planes(run.layers.channels()), run.geometry.width, ring_rows);
-  const GuideRows guides = make_guides(run.plans.front().spec, run.source, ring_rows);
+  const exec::RowRing mixed(MixtureRows::planes(run.layers.channels()), run.geometry.width,
+                            exec::ring_capacity(run.geometry, {}));
+  const GuideRows guides =
+      make_guides(run.plans.front().spec, run.source, exec::ring_capacity(run.geometry, error_halos()));
   ErrorStages errors(run.source, run.layers, run.energy, run.params, MixtureRows(mixed), guides, run.geometry,
-                     ring_rows, run.runner.slots(), run.result);
+                     exec::window_between(run.geometry, error_halos()), run.runner.slots(), run.result);
   const int pitch = run.geometry.tile_width;
   std::vector<std::vector<float>> lines(
       static_cast<std::size_t>(run.runner.slots()),
