@@ -70,14 +70,15 @@ void report(const FrameTask& task, const std::vector<DenoiseSummary>& views) {
 }
 
 // The view that was asked for, or all that the file has.
-std::vector<exr::LoadedFrame> read_views(DenoiseOptions options, const ProgressPart& progress) {
+std::vector<exr::LoadedFrame> read_views(DenoiseOptions options, const std::shared_ptr<Memory>& memory,
+                                         const ProgressPart& progress) {
   std::vector<exr::LoadedFrame> views;
-  views.push_back(read_input(options, report_to(progress, 0, kReadDone)));
+  views.push_back(read_input(options, memory, report_to(progress, 0, kReadDone)));
   if (!options.mapping.view.empty()) return views;
   const std::vector<std::string> names = views.front().views();
   for (std::size_t v = 1; v < names.size(); ++v) {
     options.mapping.view = names[v];
-    views.push_back(read_input(options, report_to(progress, kReadDone, kReadDone)));
+    views.push_back(read_input(options, memory, report_to(progress, kReadDone, kReadDone)));
   }
   return views;
 }
@@ -85,10 +86,12 @@ std::vector<exr::LoadedFrame> read_views(DenoiseOptions options, const ProgressP
 void denoise_frame(const FrameTask& task, DenoiseParams params) {
   DenoiseOptions options = task.options;
   check_paths(options);
+  // Of each frame: what it needs is told with it.
+  if (params.execution.memory) params.execution.memory = std::make_shared<Memory>(params.execution.memory->limit());
   Seconds seconds;
   Stopwatch watch;
   task.progress.show(0);
-  const std::vector<exr::LoadedFrame> views = read_views(options, task.progress);
+  const std::vector<exr::LoadedFrame> views = read_views(options, params.execution.memory, task.progress);
   check_not_interrupted();
   seconds.read = watch.lap();
 

@@ -25,9 +25,9 @@ void run_rows(const RowPipelineGeometry& g, const RowStage& stage, int y0, int y
 
 }  // namespace
 
-int band_height(const RowPipelineGeometry& geometry, int threads) {
-  constexpr int kTilesPerThread = 32;
-  const int rows_of_tiles = (kTilesPerThread * threads + tiles_across(geometry) - 1) / tiles_across(geometry);
+int band_height(const RowPipelineGeometry& geometry, int threads, bool is_limited) {
+  const int tiles_per_thread = is_limited ? 4 : 32;
+  const int rows_of_tiles = (tiles_per_thread * threads + tiles_across(geometry) - 1) / tiles_across(geometry);
   return std::min(rows_of_tiles * geometry.tile_height, geometry.height);
 }
 

@@ -27,8 +27,9 @@ struct RowPipelineGeometry {
   int band_height = 0;
 };
 
-/// Default band: enough tiles to keep all threads busy, few enough rows to stay near the caches.
-[[nodiscard]] int band_height(const RowPipelineGeometry& geometry, int threads);
+/// Default band: enough tiles to keep all threads busy, few enough rows to stay near the caches. `is_limited`: as few
+/// as will do, where memory is short.
+[[nodiscard]] int band_height(const RowPipelineGeometry& geometry, int threads, bool is_limited = false);
 
 /// Rows of a ring that a stage fills and that is read up to a later one: `halos` are those of the stages between, and
 /// of the last reader. Of all stages: a ring that every stage can read what it needs of any earlier one from.

@@ -127,7 +127,7 @@ std::vector<MemoryChannel> channels_of(int part, const std::vector<MemoryChannel
 }
 
 void write_parts(SourceFile& file, const std::vector<PartPlan>& plan, const std::vector<MemoryChannel>& channels,
-                 Imf::OStream& stream) {
+                 const Memory* memory, Imf::OStream& stream) {
   std::vector<Imf::Header> headers;
   headers.reserve(plan.size());
   for (const PartPlan& part : plan) headers.push_back(part.header);
@@ -137,7 +137,7 @@ void write_parts(SourceFile& file, const std::vector<PartPlan>& plan, const std:
     if (plan[i].copied) {
       copy_part(file, plan[i], output, at);
     } else {
-      write_part(&file, plan[i], channels_of(plan[i].source_part, channels), output, at);
+      write_part(&file, plan[i], channels_of(plan[i].source_part, channels), output, at, memory);
     }
   }
 }
@@ -166,10 +166,10 @@ void plan_new(std::vector<MemoryChannel>& channels, const Layout& layout, Output
 }
 
 void write_whole(const std::string& path, SourceFile& file, const std::vector<PartPlan>& plan,
-                 const std::vector<MemoryChannel>& channels) {
+                 const std::vector<MemoryChannel>& channels, const Memory* memory) {
   ReplacingFile target(path);
   target.before_each_write([&file] { file.check_not_cancelled(); });
-  write_parts(file, plan, channels, target.stream());
+  write_parts(file, plan, channels, memory, target.stream());
   target.commit();
 }
 
@@ -199,7 +199,7 @@ void write_frame(const std::string& path, const Frame& frame, const LoadedFrame&
     for (PartPlan& part : plan) {
       if (part.source_part == layout.main_part) insert_counts(frame, part.header);
     }
-    write_whole(path, file, plan, channels);
+    write_whole(path, file, plan, channels, source.data_->memory.get());
   });
 }
 
@@ -232,7 +232,7 @@ void write_results(const std::string& path, const std::vector<ViewResult>& views
         if (layout.roles[i] != Role::kNone) roles[i] = layout.roles[i];
       }
     }
-    write_whole(path, file, plan_output(file, roles, rules), all);
+    write_whole(path, file, plan_output(file, roles, rules), all, views.front().source.data_->memory.get());
   });
 }
 

@@ -91,7 +91,7 @@ void ChoiceStages::add_risk_passes() {
 }
 
 MapRows ChoiceStages::add_ring(int planes) {
-  rings_.push_back(std::make_unique<exec::RowRing>(planes, geometry_.width, ring_rows_));
+  rings_.push_back(std::make_unique<exec::RowRing>(planes, geometry_.width, ring_rows_, source_.memory()));
   return {rings_.back().get(), planes, -1};
 }
 

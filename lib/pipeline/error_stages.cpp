@@ -50,7 +50,7 @@ ErrorStages::ErrorStages(const Source& source, const LayerSource& layers, const 
 }
 
 MapRows ErrorStages::add_ring(int planes) {
-  rings_.push_back(std::make_unique<exec::RowRing>(planes, geometry_.width, ring_rows_));
+  rings_.push_back(std::make_unique<exec::RowRing>(planes, geometry_.width, ring_rows_, source_.memory()));
   return {rings_.back().get(), planes, -1};
 }
 

@@ -45,7 +45,7 @@ FilterRuns::FilterRuns(const Source& source, const LayerSource& layers, const Fi
   const std::vector<int> read_by = joined(run_halos(plan), readers);
   const int candidate_rows = exec::ring_capacity(geometry, without_first(read_by));
   add_run({}, exec::ring_capacity(geometry, joined(read_by, guided)), candidate_rows);
-  layer_rows_ = exec::RowRing((entries_ - 1) * layers.channels(), geometry.width, candidate_rows);
+  layer_rows_ = exec::RowRing((entries_ - 1) * layers.channels(), geometry.width, candidate_rows, source.memory());
   for (int draw = 0; draw + 1 < plan.runs(); ++draw) {
     add_run(Perturbation{plan.monte_carlo.seed, draw, plan.monte_carlo.step}, exec::ring_capacity(geometry, passes_),
             exec::ring_capacity(geometry, without_first(passes_)));
@@ -67,7 +67,8 @@ void FilterRuns::add_run(const std::optional<Perturbation>& perturbation, int gu
                                                  " candidates; at most " + std::to_string(kMaxEntries - 1) +
                                                  " can be chosen from");
   }
-  run->candidates = exec::RowRing((entries_ - 1) * CandidateRows::kPlanes, geometry_.width, candidate_rows);
+  run->candidates =
+      exec::RowRing((entries_ - 1) * CandidateRows::kPlanes, geometry_.width, candidate_rows, source.memory());
   runs_.push_back(std::move(run));
 }
 
