@@ -27,7 +27,7 @@ namespace {
 
 constexpr std::int64_t kLeast = std::int64_t{1} << 27;
 constexpr std::int64_t kMost = std::int64_t{1} << 60;
-constexpr double kWindowShare = 0.5;      // of the limit, on the heap
+constexpr double kWindowsToImages = 4;    // of what may lie on the heap
 constexpr double kResidentShare = 0.875;  // from where on pages are given back: threads add some until the next look
 
 std::string folder_of(const MemoryLimit& limit) {
@@ -88,7 +88,7 @@ struct Memory::State : std::enable_shared_from_this<State> {
 
   [[nodiscard]] bool fits(std::size_t bytes, Use use) {
     if (limit.bytes == 0) return true;
-    const double share = use == Use::kImage ? limit.image_share : kWindowShare;
+    const double share = limit.image_share * (use == Use::kImage ? 1.0 : kWindowsToImages);
     const std::lock_guard lock(mutex);
     return static_cast<double>(heap.of(use)) + static_cast<double>(bytes) <= share * static_cast<double>(limit.bytes);
   }
@@ -174,7 +174,7 @@ Memory::Memory(MemoryLimit limit) : state_(std::make_shared<State>(std::move(lim
                                                  " bytes; it must be 0 (none) or in [" + std::to_string(kLeast) + ", " +
                                                  std::to_string(kMost) + "]");
   }
-  require_in_range("image_share", static_cast<float>(own.image_share), 0.0F, 0.5F);
+  require_in_range("image_share", static_cast<float>(own.image_share), 0.0F, 0.15F);
   std::error_code error;
   if (!own.scratch_folder.empty() && !std::filesystem::is_directory(own.scratch_folder, error))
     throw Error(ErrorCode::kIo, "there is no folder '" + own.scratch_folder + "' for scratch files");
