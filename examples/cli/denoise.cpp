@@ -111,6 +111,7 @@ void denoise_frame(const FrameTask& task, DenoiseParams params) {
   for (std::size_t v = 0; v < views.size(); ++v) filtered.push_back({views[v], results[v]});
   exr::write_results(options.output, filtered, options.write);
   seconds.write = watch.lap();
+  if (params.execution.memory) warn_if_exceeded(*params.execution.memory, results.front().report);
   seconds.total = seconds.read + seconds.compute + seconds.write;
   task.progress.show(1);
 

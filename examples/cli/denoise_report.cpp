@@ -134,6 +134,15 @@ void print_filters(const DenoiseReport& report) {
 
 }  // namespace
 
+void warn_if_exceeded(const Memory& memory, DenoiseReport& report) {
+  const std::int64_t held = peak_memory_bytes();
+  if (held <= memory.limit().bytes) return;
+  report.warnings.push_back("the process held " + std::to_string(held) + " bytes, more than the " +
+                            std::to_string(memory.limit().bytes) +
+                            " of --max-memory: threads, rows of the file and windows need more; allow more, or take "
+                            "fewer threads");
+}
+
 void print_warnings(const std::string& path, const DenoiseReport& report) {
   for (const std::string& warning : report.warnings) {
     std::fprintf(stderr, "stein: warning: '%s': %s\n", path.c_str(), warning.c_str());
