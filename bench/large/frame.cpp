@@ -2,8 +2,9 @@
 //
 // Frames of any size for measurements of time and memory, made and compared a few rows at a time:
 //   stein_large_frame make OUT.exr WIDTH HEIGHT [X Y]       the pixels from (X, Y) on of an endless noisy picture
-//   stein_large_frame compare A.exr B.exr X Y MARGIN        whether A, from its pixel (X, Y) on, has the bits of B,
-//                                                           but for B's outermost pixels
+//   stein_large_frame compare A.exr B.exr X Y MARGIN        whether the colour of A, from its pixel (X, Y) on, has the
+//                                                           bits of B's, but for B's outermost pixels; estimated
+//                                                           errors may not: perturbations differ from place to place
 #include <ImfChannelList.h>
 #include <ImfCompression.h>
 #include <ImfFrameBuffer.h>
@@ -134,7 +135,7 @@ void compare(const std::string& path, const std::string& part_path, int x0, int 
   RowReader part(part_path);
   const int width = part.width() - 2 * margin;
   if (width < 1 || part.height() <= 2 * margin) throw std::runtime_error("nothing is left within the margin");
-  for (const char* channel : {"R", "G", "B", "error.R", "error.G", "error.B"}) {
+  for (const char* channel : {"R", "G", "B"}) {
     for (int y = margin; y < part.height() - margin; ++y) {
       const float* a = whole.row(channel, y0 + y).data() + x0 + margin;
       const float* b = part.row(channel, y).data() + margin;

@@ -8,7 +8,7 @@ Makes frames of 20 channels on the fly, denoises them, and prints seconds per me
     bench/large/scaling.py --build build/release --folder /data/tmp --megapixels 1 16 -- --quality default
 
 With --compare, each result is compared bit by bit with one that was made without a limit (which takes the memory it takes),
-and a part of the frame that is denoised by itself with the part of the result, where --quality fast looks at no more.
+and the colour of a part of the frame that is denoised by itself with that of the result (--quality fast looks at no more).
 Options after -- go to `stein denoise`; --quality fast unless given.
 """
 
@@ -16,6 +16,7 @@ import argparse
 import filecmp
 import json
 import pathlib
+import resource
 import subprocess
 import sys
 import tempfile
@@ -28,6 +29,11 @@ MARGIN = 192  # beyond all that a pixel of --quality fast depends on
 def size_of(megapixels):
     height = round((megapixels * 2**20 / ASPECT) ** 0.5)
     return ASPECT * height, height
+
+
+def cpu_seconds():
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
 class Bench:
@@ -54,11 +60,13 @@ class Bench:
     def row(self, megapixels):
         width, height = size_of(megapixels)
         self.make("in.exr", width, height)
+        before = cpu_seconds()
         report = self.denoise("in.exr", "out.exr", self.arguments.max_memory)
         seconds = report["seconds"]
         pixels = width * height / 2**20
         cells = [f"{width}x{height}", f"{pixels:.2f}"]
         cells += [f"{seconds[part] / pixels:.2f}" for part in ("read", "compute", "write", "total")]
+        cells += [f"{(cpu_seconds() - before) / pixels:.2f}"]
         cells += [f"{report[name] / 2**20:.0f}" for name in ("peak_memory_bytes", "scratch_bytes")]
         if self.arguments.compare:
             cells.append(self.compare(width, height))
@@ -89,7 +97,7 @@ def main():
                         help="compare bits; as a whole up to this size, which has to fit in memory")  # fmt: skip
     parser.add_argument("options", nargs="*", default=["--quality", "fast"])
     arguments = parser.parse_args()
-    titles = ["frame", "Mpixel", "read s/Mpixel", "compute", "write", "total", "peak MiB", "scratch MiB"]
+    titles = ["frame", "Mpixel", "read s/Mpixel", "compute", "write", "total", "CPU", "peak MiB", "scratch MiB"]
     titles += ["identical"] if arguments.compare else []
     print("| " + " | ".join(titles) + " |\n" + "|---" * len(titles) + "|", flush=True)
     with tempfile.TemporaryDirectory(dir=arguments.folder) as folder:

@@ -25,7 +25,7 @@ constexpr std::int64_t kMiB = std::int64_t{1} << 20;
 TEST_CASE("denoise --max-memory: less than it takes in memory, and the same file") {
   const TemporaryFolder folder;
   const TemporaryFolder scratch;
-  write(folder / "noisy.exr", noisy_image(1500, 1100));
+  write(folder / "noisy.exr", noisy_image(1300, 1000));
   const auto run = [&](const std::string& out, const std::vector<std::string>& options) {
     std::vector<std::string> arguments = {"denoise", folder / "noisy.exr",   "-o",        folder / out,
                                           "--json",  folder / "report.json", "--filter",  "gaussian",
@@ -34,36 +34,36 @@ TEST_CASE("denoise --max-memory: less than it takes in memory, and the same file
     const Outcome outcome = run_stein(arguments);
     INFO(outcome.err);
     REQUIRE(outcome.exit_code == 0);
+
     return outcome.out;
   };
   CHECK(run("plain.exr", {}).find("MiB at most\n") != std::string::npos);
   const nlohmann::json plain = report_in(folder / "report.json");
-  const std::string text = run("limited.exr", {"--max-memory", "160M", "--scratch", scratch.path().string()});
+  const std::string text = run("limited.exr", {"--max-memory", "128M", "--scratch", scratch.path().string()});
   const nlohmann::json limited = report_in(folder / "report.json");
   CHECK(text.find("MiB in scratch files\n") != std::string::npos);
   CHECK(plain.at("scratch_bytes") == 0);
-  CHECK(limited.at("scratch_bytes") > 100 * kMiB);
-  CHECK(fixture::bytes_of(folder / "plain.exr") == fixture::bytes_of(folder / "limited.exr"));
+  CHECK(limited.at("scratch_bytes") > 80 * kMiB);
+  const bool is_same = fixture::bytes_of(folder / "plain.exr") == fixture::bytes_of(folder / "limited.exr");
+  CHECK(is_same);  // not in it: the bytes would be printed
   CHECK(scratch.entries() == 0);
 #if !defined(STEIN_SANITIZED)  // sanitizers take memory of their own
-  CHECK(plain.at("peak_memory_bytes") > 200 * kMiB);
-  CHECK(limited.at("peak_memory_bytes") < 160 * kMiB);
+  CHECK(plain.at("peak_memory_bytes") > 160 * kMiB);
+  CHECK(limited.at("peak_memory_bytes") < 128 * kMiB);
 #endif
 }
 
 TEST_CASE("denoise --max-memory: a file whose blocks of rows alone take more is filtered, and warned of") {
   const TemporaryFolder folder;
-  fixture::PartSpec wide{"", fixture::native_channels(), {0, 0, 8191, 255}};
+  fixture::PartSpec wide{"", fixture::native_channels(), {0, 0, 4095, 255}};
   wide.compression = Imf::DWAB_COMPRESSION;  // of 256 rows
   fixture::write_file(folder / "in.exr", {wide});
-  const auto held = [&](const std::string& limit) {
-    const Outcome outcome = run_stein({"denoise", folder / "in.exr", "-o", folder / "out.exr", "--filter", "gaussian",
-                                       "--bank", "intermediate", "--max-memory", limit});
-    CHECK(outcome.exit_code == 0);
-    return outcome.err.find("of --max-memory") != std::string::npos;
-  };
-  CHECK(held("128M"));
-  CHECK_FALSE(held("2G"));
+  const Outcome outcome =
+      run_stein({"denoise", folder / "in.exr", "-o", folder / "out.exr", "--filter", "gaussian", "--bank",
+                 "intermediate", "--json", folder / "report.json", "--max-memory", "128M"});
+  CHECK(outcome.exit_code == 0);
+  CHECK(outcome.err.find("of --max-memory") != std::string::npos);
+  CHECK(report_in(folder / "report.json").at("warnings").dump().find("of --max-memory") != std::string::npos);
 }
 
 TEST_CASE("denoise --max-memory: killed, it leaves nothing in the scratch folder") {
@@ -107,8 +107,9 @@ TEST_CASE("denoise --max-memory: layers, views and sequences as without") {
   run("plain.#.exr", {});
   run("limited.#.exr", {"--max-memory", "0.125G"});
   for (const char* frame : {"1", "2"}) {
-    CHECK(fixture::bytes_of(folder / ("plain." + std::string(frame) + ".exr")) ==
-          fixture::bytes_of(folder / ("limited." + std::string(frame) + ".exr")));
+    const bool is_same = fixture::bytes_of(folder / ("plain." + std::string(frame) + ".exr")) ==
+                         fixture::bytes_of(folder / ("limited." + std::string(frame) + ".exr"));
+    CHECK(is_same);
   }
   // Told for each frame by itself.
   const nlohmann::json second = report_in(folder / "2.json");
