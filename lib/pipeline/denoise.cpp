@@ -127,8 +127,8 @@ void filter_alone(Run& run, bool knows_covariances) {
                            exec::ring_capacity(run.geometry, {}), run.source.memory());
   const MixtureRows picture(rows);
   std::vector<exec::RowStage> stages = job.plan_stages({picture, &run.result.choice});
-  ErrorStages errors(run.source, run.layers, run.energy, run.params, picture, job.guides(), run.geometry,
-                     exec::window_between(run.geometry, error_halos()), slots, run.result);
+  ErrorStages errors(run.source, run.layers, run.energy, run.params, picture, job.guides(), run.geometry, slots,
+                     run.result);
   stages.insert(stages.end(), errors.list().begin(), errors.list().end());
   run.execute(stages, left);
   run.doubt(job.findings(), knows_covariances);
@@ -197,7 +197,7 @@ void filter_together(Run& run, bool knows_covariances) {
   const GuideRows guides =
       make_guides(run.plans.front().spec, run.source, exec::ring_capacity(run.geometry, error_halos()));
   ErrorStages errors(run.source, run.layers, run.energy, run.params, MixtureRows(mixed), guides, run.geometry,
-                     exec::window_between(run.geometry, error_halos()), run.runner.slots(), run.result);
+                     run.runner.slots(), run.result);
   const int pitch = run.geometry.tile_width;
   std::vector<std::vector<float>> lines(
       static_cast<std::size_t>(run.runner.slots()),
