@@ -47,7 +47,7 @@ struct LoadedFrame::Data {
   std::vector<std::string> assumptions;
   std::vector<std::string> views;
   std::string view;
-  std::string straight_alpha;                  // layer with the alpha that the file's colour is divided by; empty: none
+  std::string straight_alpha;                 // layer with the alpha that the file's colour is divided by; empty: none
   std::array<ConstPlaneView, 3> file_colour;  // as it is in the file
 };
 

@@ -51,7 +51,7 @@ class FrameReader {
     fill_frame();
     convert_variances();
     data_.file_colour = data_.frame.colour;
-    if (options_.straight_alpha) premultiply(view(layout_.alpha), data_.frame, data_.converted);
+    if (options_.straight_alpha) premultiply(view(layout_.alpha), data_.frame, options_.memory.get(), data_.converted);
     list_channels();
   }
 

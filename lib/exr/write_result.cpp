@@ -223,7 +223,7 @@ void write_results(const std::string& path, const std::vector<ViewResult>& views
       const Layout layout = reopened_layout(file, view.source, view.source.data_->mapping);
       const LoadedFrame::Data& data = *view.source.data_;
       check_layers(path, view, data.straight_alpha);
-      Straight& straight = straights.emplace_back(view.result, data.straight_alpha);
+      Straight& straight = straights.emplace_back(view.result, data.straight_alpha, data.memory.get());
       std::vector<MemoryChannel> channels =
           channels_of_view(path, view, options, file, layout, data.file_colour, straight);
       plan_new(channels, layout, rules);
