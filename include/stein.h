@@ -92,6 +92,10 @@ STEIN_API stein_status stein_frame_add_layer(stein_frame* frame, const char* nam
 STEIN_API stein_status stein_frame_set_plane(stein_frame* frame, const char* name, stein_type type, const void* data,
                                              ptrdiff_t pixel_stride, ptrdiff_t row_stride);
 
+/* Copies a plane that the frame has into the caller's memory, as floats, with strides as for stein_frame_set_plane. */
+STEIN_API stein_status stein_frame_copy(const stein_frame* frame, const char* name, float* to, ptrdiff_t pixel_stride,
+                                        ptrdiff_t row_stride);
+
 /* Samples of every pixel, >= 1. Of this and the plane sampleCount, what was set last holds. */
 STEIN_API stein_status stein_frame_set_sample_count(stein_frame* frame, float samples);
 
@@ -138,6 +142,18 @@ STEIN_API stein_status stein_params_set_text(stein_params* params, const char* n
  *                            lies in scratch files; planes of the caller are left where they are */
 STEIN_API stein_status stein_params_set_number(stein_params* params, const char* name, double value);
 
+/* Another denoiser, whose image is mixed with those of the filters where it is the better one (docs/candidates.md).
+ * Called in the thread that called stein_denoise, with the frame that this got, unusable values included, and `draws`
+ * times with a perturbed one, whose planes stein_frame_copy gives; both last only as long as the call. `colour`: planes
+ * R, G, B of its size to fill, `row_stride` bytes from row to row. Has to give the same for the same. Returns nonzero,
+ * or 0 if it failed: stein_denoise then returns STEIN_INVALID_ARGUMENT. */
+typedef int (*stein_denoiser)(const stein_frame* frame, float* const colour[3], ptrdiff_t row_stride, void* user);
+
+/* Adds one, by a name for report and messages. `draws`: 1 to 16; 1 is enough. `step`: of the perturbation in standard
+ * deviations of the noise, 0.001 to 1; 0: the default. With one, the frame can have no layers. */
+STEIN_API stein_status stein_params_add_denoiser(stein_params* params, const char* name, stein_denoiser denoiser,
+                                                 void* user, int32_t draws, float step, uint64_t seed);
+
 /* ---- Denoising -------------------------------------------------------------------------------------------------- */
 
 /* Called with the fraction done, 0 to 1, never decreasing, one call at a time, from any working thread. Returns
@@ -169,7 +185,7 @@ STEIN_API stein_status stein_result_number(const stein_result* result, const cha
 
 /* Texts of the report, by index from 0; past the last one *text becomes null. `name` is one of: warning (in words, for
  * people), candidate (what choice.V says), filter, risk and risk_reason (one
- * for each filter: its name, how its errors were estimated, and why so). Valid until the result is
+ * for each filter and added denoiser: its name, how its errors were estimated, and why so). Valid until the result is
  * destroyed. */
 STEIN_API stein_status stein_result_text(const stein_result* result, const char* name, int32_t index,
                                          const char** text);

@@ -42,6 +42,11 @@ class Stopwatch {
 
 void check_paths(const DenoiseOptions& options) {
   check_output_path(options.output, options.input);
+  CandidateOptions candidates = options.candidates;
+  candidates.for_each_path([&](const std::string& path) {
+    if (!is_same_file(path, options.output)) return;
+    throw Error(ErrorCode::kInvalidArgument, "-o " + options.output + " is a candidate's image: choose another file");
+  });
   if (options.json.empty()) return;
   if (is_same_file(options.json, options.input) || is_same_file(options.json, options.output)) {
     throw Error(ErrorCode::kInvalidArgument, "--json " + options.json + " is the image: choose another file");
@@ -83,6 +88,13 @@ std::vector<exr::LoadedFrame> read_views(DenoiseOptions options, const std::shar
   return views;
 }
 
+// The candidates' files are of one.
+void require_one_view(const std::vector<exr::LoadedFrame>& views, const LoadedCandidates& candidates) {
+  if (views.size() == 1 || candidates.list.empty()) return;
+  throw Error(ErrorCode::kInvalidArgument,
+              "'" + views.front().path() + "' has several views, and a candidate is of one; choose it with --view");
+}
+
 void denoise_frame(const FrameTask& task, DenoiseParams params) {
   DenoiseOptions options = task.options;
   check_paths(options);
@@ -93,6 +105,9 @@ void denoise_frame(const FrameTask& task, DenoiseParams params) {
   task.progress.show(0);
   const std::vector<exr::LoadedFrame> views = read_views(options, params.execution.memory, task.progress);
   check_not_interrupted();
+  const LoadedCandidates candidates = read_candidates(options.candidates, check_not_interrupted);
+  require_one_view(views, candidates);
+  params.candidates = candidates.list;
   seconds.read = watch.lap();
 
   std::vector<DenoiseResult> results;
@@ -143,6 +158,7 @@ Action add_denoise(CLI::App& verb) {
                      [&](const FrameTask& task) { denoise_samples(task, params, samples->adjacent); });
     } else {
       const DenoiseParams params = denoise_params(*options);
+      check(options->candidates);
       for_each_frame(*options, *range, [&](const FrameTask& task) { denoise_frame(task, params); });
     }
   };

@@ -25,6 +25,7 @@ constexpr const char* kFooter =
     "  stein denoise noisy.exr -o clean.exr --map albedo=Diffuse.R,G,B --variance-of sample --samples 16\n"
     "  stein denoise noisy.exr -o clean.exr --feature-sigma normal=0.4,albedo=0.1\n"
     "  stein denoise noisy.exr -o clean.exr --layers diffuse,specular,A\n"
+    "  stein denoise noisy.exr -o clean.exr --candidate oidn.exr --candidate-perturbed oidn_perturbed.exr\n"
     "  stein denoise noisy.####.exr -o clean.####.exr --frames 1-100,200-300:2 --skip-existing\n"
     "\n"
     "The filter rpf reads a file of raw samples (deep, as for stein accumulate) and writes the colour, and its error "
@@ -65,6 +66,7 @@ void declare(CLI::App& verb, DenoiseOptions& options) {
       ->delimiter(',');
   verb.add_flag("--straight-alpha", options.straight_alpha,
                 "The colour and its layers are divided by alpha, and are to be so in OUT; alpha is filtered as well");
+  declare(verb, options.candidates);
   verb.add_option("--strength", options.strength, "1: the reconstruction, 0: the input, between: a mix")
       ->capture_default_str();
   declare_memory(verb, options);

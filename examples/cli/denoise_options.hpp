@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "candidate_options.hpp"
 #include "filter_options.hpp"
 #include "mapping_options.hpp"
 #include "stein/denoise.hpp"
@@ -29,6 +30,7 @@ struct DenoiseOptions {
   std::string selection = "evidence";
   float strength = 1;
   SamplesOption samples;
+  CandidateOptions candidates;
   std::vector<std::string> layers;
   bool straight_alpha = false;
   std::string tile;

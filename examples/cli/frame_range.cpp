@@ -23,10 +23,11 @@ void require_frame_place(const char* what, const std::string& path) {
                                                "such as in.####.exr");
 }
 
-void check_sequence(const DenoiseOptions& options) {
+void check_sequence(DenoiseOptions options) {
   require_frame_place("IN", options.input);
   require_frame_place("-o", options.output);
   if (!options.json.empty()) require_frame_place("--json", options.json);
+  options.candidates.for_each_path([](const std::string& path) { require_frame_place("the candidate", path); });
 }
 
 /// A sequence without its numbers is told as what it is, not as a file that is missing.
@@ -41,6 +42,7 @@ DenoiseOptions options_of_frame(DenoiseOptions options, int frame) {
   options.input = frame_path(options.input, frame);
   options.output = frame_path(options.output, frame);
   options.json = frame_path(options.json, frame);
+  options.candidates.for_each_path([frame](std::string& path) { path = frame_path(path, frame); });
   return options;
 }
 

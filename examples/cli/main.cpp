@@ -24,6 +24,7 @@ constexpr Verb kVerbs[] = {
     {"compare", "Measure an image against a reference", stein::cli::add_compare},
     {"sample-map", "Say how many further samples each pixel should get", stein::cli::add_sample_map},
     {"merge", "Make one image with variances out of several renders of a view", stein::cli::add_merge},
+    {"perturb", "Make the files by which the error of another denoiser is told", stein::cli::add_perturb},
     {"preview", "Turn a layer of a file into a PNG picture", stein::cli::add_preview},
 };
 

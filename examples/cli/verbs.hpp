@@ -16,6 +16,7 @@ namespace stein::cli {
 [[nodiscard]] Action add_info(CLI::App& verb);
 [[nodiscard]] Action add_compare(CLI::App& verb);
 [[nodiscard]] Action add_merge(CLI::App& verb);
+[[nodiscard]] Action add_perturb(CLI::App& verb);
 [[nodiscard]] Action add_preview(CLI::App& verb);
 [[nodiscard]] Action add_sample_map(CLI::App& verb);
 

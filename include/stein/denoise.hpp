@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "stein/candidate.hpp"
 #include "stein/density.hpp"
 #include "stein/execution.hpp"
 #include "stein/filters.hpp"
@@ -55,6 +56,9 @@ struct DenoiseParams {
   /// One to kMaxFilters. Of each, its candidates are mixed to a picture by `selection`; the pictures of several, and
   /// the input, are mixed to the one of least estimated error (docs/selection.md).
   std::vector<FilterSpec> filters = filters_of(Quality::kDefault);
+  /// Images of other denoisers that are mixed with those of the filters; of both together at most kMaxFilters. The
+  /// frame can have no layers then, which nobody but stein's own filters knows how to filter alike.
+  std::vector<ExternalCandidate> candidates;
   Risk risk = Risk::kAuto;
   MonteCarloParams monte_carlo;  ///< read where the risk is estimated that way
   OutlierParams outliers;
@@ -89,7 +93,7 @@ struct DenoiseReport {
   double outlier_energy = 0;            ///< what that kept out of the filters, as a fraction of the image's sum
   std::vector<std::string> candidates;  ///< entry names; index = value of the choice plane; 0 is the unfiltered input
   std::vector<double> choice_share;     ///< fraction of pixels whose largest weight is that entry's
-  std::vector<FilterShare> filters;     ///< one for each filter, in their order
+  std::vector<FilterShare> filters;     ///< one for each filter, then for each external candidate, in their order
   std::array<double, 3> mean_error{};   ///< mean over the image of the estimated squared error, per channel; can be < 0
   double mean_relative_error = 0;       ///< the same of error / (result^2 + 0.01), over all channels
   std::vector<std::string> warnings;    ///< in words, for people

@@ -7,11 +7,13 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "stein/candidate.hpp"
 #include "stein/denoise.hpp"
 #include "stein/frame.hpp"
 #include "stein/memory.hpp"
@@ -106,6 +108,8 @@ class LoadedFrame {
   friend void write_results(const std::string& path, const std::vector<ViewResult>& views, const WriteOptions& options);
   friend void write_frame(const std::string& path, const Frame& frame, const LoadedFrame& source,
                           const std::function<bool(double)>& progress);
+  friend void write_perturbed(const std::string& path, const Frame& moved, const LoadedFrame& source,
+                              const Perturbation& perturbation, const std::function<bool(double)>& progress);
   std::unique_ptr<Data> data_;
 };
 
@@ -164,6 +168,18 @@ void write_results(const std::string& path, const std::vector<ViewResult>& views
 /// @throws Error kInvalidFrame, kIo naming the file, kInvalidArgument if the frame is not of the source's size.
 void write_frame(const std::string& path, const Frame& frame, const LoadedFrame& source,
                  const std::function<bool(double)>& progress = {});
+
+/// Writes a file like that of `source`, all its channels, parts and attributes, but with colour and features as `moved`
+/// has them (as float), which must be of the source's frame (PerturbedFrame); and with attributes that say how it was
+/// moved. Parts that are changed are written as by `write_result`. `progress`: as that of WriteOptions.
+/// @throws Error kIo naming the file; kInvalidArgument if the frame is not of the source's size, or the source was
+/// moved already; kUnsupported if the source has features in other files.
+void write_perturbed(const std::string& path, const Frame& moved, const LoadedFrame& source,
+                     const Perturbation& perturbation, const std::function<bool(double)>& progress = {});
+
+/// How the file was moved, by its attributes perturbationSeed, perturbationDraw and perturbationStep, if it has them.
+/// @throws Error kIo; kInvalidFrame for attributes that cannot be.
+[[nodiscard]] std::optional<Perturbation> read_perturbation(const std::string& path);
 
 /// A plain file of named planes of one size, written whole or not at all: uint planes as uint, others as float.
 /// `origin`: x and y of the first pixel in the file's data window.

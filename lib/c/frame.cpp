@@ -53,6 +53,17 @@ ConstPlaneView& slot(Frame& frame, const std::string& wanted) {
   return *found;
 }
 
+// A plane that was set.
+ConstPlaneView plane_of(const Frame& frame, const char* wanted) {
+  require(wanted, "the name");
+  std::string names;
+  for (const auto& [name, view] : named_planes(frame)) {
+    if (name == wanted) return view;
+    names += " " + name;
+  }
+  refuse(std::string("the frame has no plane '") + wanted + "'; it has:" + names);
+}
+
 void drop_if_absent(std::vector<ConstPlaneView>& views) {
   if (std::none_of(views.begin(), views.end(), [](const ConstPlaneView& view) { return static_cast<bool>(view); }))
     views.clear();
@@ -109,6 +120,7 @@ using stein::c::add_feature;
 using stein::c::add_layer;
 using stein::c::guarded;
 using stein::c::guarded_make;
+using stein::c::plane_of;
 using stein::c::refuse;
 using stein::c::require;
 using stein::c::require_strides;
@@ -157,6 +169,21 @@ stein_status stein_frame_set_plane(stein_frame* frame, const char* name, stein_t
     stein::Frame& slots = frame->slots;
     require_strides(name, stein::byte_size(scalar), pixel_stride, row_stride, slots.width);
     slot(slots, name) = stein::ConstPlaneView(data, scalar, slots.width, slots.height, pixel_stride, row_stride);
+  });
+}
+
+stein_status stein_frame_copy(const stein_frame* frame, const char* name, float* to, ptrdiff_t pixel_stride,
+                              ptrdiff_t row_stride) {
+  return guarded("stein_frame_copy", [&] {
+    const stein::ConstPlaneView plane = plane_of(stein::c::frame_of(frame), name);
+    require(to, "the memory to copy to");
+    require_strides(name, sizeof(float), pixel_stride, row_stride, plane.width());
+    const stein::PlaneView view(to, plane.width(), plane.height(), pixel_stride, row_stride);
+    std::vector<float> row(static_cast<std::size_t>(plane.width()));
+    for (int y = 0; y < plane.height(); ++y) {
+      plane.read_row(y, 0, plane.width(), row.data());
+      view.write_row(y, 0, plane.width(), row.data());
+    }
   });
 }
 

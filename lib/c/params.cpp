@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -22,9 +24,25 @@ void change(stein_params* params, const char* name, const Set& set) {
   *params = std::move(changed);
 }
 
+// A denoiser of C as one of C++.
+struct CDenoiser {
+  std::string name;
+  stein_denoiser run;
+  void* user;
+
+  std::array<Plane, 3> operator()(const Frame& frame) const {
+    std::array<Plane, 3> image = Plane::triple(frame.width, frame.height);
+    float* const planes[3] = {image[0].row(0), image[1].row(0), image[2].row(0)};
+    const stein_frame handle{frame, std::nullopt};
+    if (run(&handle, planes, image[0].row_stride(), user) == 0) refuse("the denoiser '" + name + "' failed");
+    return image;
+  }
+};
+
 }  // namespace
 }  // namespace stein::c
 
+using stein::c::CDenoiser;
 using stein::c::change;
 using stein::c::guarded;
 using stein::c::guarded_make;
@@ -52,6 +70,21 @@ stein_status stein_params_set_number(stein_params* params, const char* name, dou
     change(params, name, [&](stein_params& changed) {
       stein::set_option(changed.values, name, value);
       if (const auto feature = stein::feature_of_option(name); !feature.empty()) changed.guiding.emplace_back(feature);
+    });
+  });
+}
+
+stein_status stein_params_add_denoiser(stein_params* params, const char* name, stein_denoiser denoiser, void* user,
+                                       int32_t draws, float step, uint64_t seed) {
+  return guarded("stein_params_add_denoiser", [&] {
+    if (denoiser == nullptr) stein::c::refuse("the denoiser is null");
+    change(params, name, [&](stein_params& changed) {
+      stein::ExternalDenoiser external;
+      external.run = CDenoiser{name, denoiser, user};
+      external.draws = draws;
+      if (step != 0.0F) external.step = step;
+      external.seed = seed;
+      changed.values.candidates.push_back({name, external});
     });
   });
 }

@@ -25,6 +25,7 @@ bool is_lossy(Imf::Compression compression) {
 }
 
 bool is_carried(Role role, const OutputRules& rules) {
+  if (rules.keep_all) return true;
   switch (role) {
     case Role::kColour:
     case Role::kEarlierResult:

@@ -34,7 +34,8 @@ struct OutputRules {
   bool keep_inputs = false;
   bool replace_noisy = false;
   bool replace_frame = false;  ///< nothing of the source's frame is kept: neither its features nor its sample count
-  std::vector<NewChannel> new_channels;
+  std::vector<NewChannel> new_channels = {};
+  bool keep_all = false;  ///< but for what a new channel takes the place of
 };
 
 /// `roles`: of the source's channels. The parts of the output in the source's order; parts that lose all channels are

@@ -8,6 +8,7 @@
 #include "exr/loaded_frame.hpp"
 #include "exr/output_plan.hpp"
 #include "exr/part_writer.hpp"
+#include "exr/perturbation_attributes.hpp"
 #include "exr/replacing_file.hpp"
 #include "exr/straight_alpha.hpp"
 #include "exr/views.hpp"
@@ -165,6 +166,42 @@ void plan_new(std::vector<MemoryChannel>& channels, const Layout& layout, Output
   }
 }
 
+void require_frame_of(const std::string& path, const Frame& frame, const LoadedFrame& source,
+                      const std::string& straight_alpha) {
+  check(frame);
+  if (!straight_alpha.empty()) {
+    throw Error(ErrorCode::kUnsupported, "cannot write '" + path + "': the colour of '" + source.path() +
+                                             "' was read as straight; only results can be written like it");
+  }
+  if (frame.width == source.frame().width && frame.height == source.frame().height) return;
+  throw Error(ErrorCode::kInvalidArgument, "cannot write '" + path + "': the frame has " + std::to_string(frame.width) +
+                                               " x " + std::to_string(frame.height) + " pixels, but the source '" +
+                                               source.path() + "' has " + std::to_string(source.frame().width) + " x " +
+                                               std::to_string(source.frame().height));
+}
+
+/// What `moved` has other planes of than the source's frame, under the names that it has in the file.
+std::vector<MemoryChannel> moved_channels(const Frame& moved, const Frame& frame, const SourceFile& file,
+                                          const Layout& layout) {
+  std::vector<MemoryChannel> channels;
+  const auto add = [&](int index, const ConstPlaneView& plane, const ConstPlaneView& old) {
+    if (plane.data() == old.data()) return;
+    const SourceChannel& from = file.channels()[static_cast<std::size_t>(index)];
+    if (!file.is_own(from.part)) {
+      throw Error(ErrorCode::kUnsupported, "'" + file.path() + "': the feature " + file.part_name(from.part) +
+                                               " is in a file beside it; write all buffers into one file");
+    }
+    channels.push_back({from.name, Imf::FLOAT, plane, from.part});
+  };
+  for (std::size_t c = 0; c < 3; ++c) add(layout.colour[c], moved.colour[c], frame.colour[c]);
+  for (std::size_t f = 0; f < layout.features.size(); ++f) {
+    for (std::size_t k = 0; k < layout.features[f].mean.size(); ++k) {
+      add(layout.features[f].mean[k], moved.features[f].mean[k], frame.features[f].mean[k]);
+    }
+  }
+  return channels;
+}
+
 void write_whole(const std::string& path, SourceFile& file, const std::vector<PartPlan>& plan,
                  const std::vector<MemoryChannel>& channels, const Memory* memory) {
   ReplacingFile target(path);
@@ -177,17 +214,7 @@ void write_whole(const std::string& path, SourceFile& file, const std::vector<Pa
 
 void write_frame(const std::string& path, const Frame& frame, const LoadedFrame& source,
                  const std::function<bool(double)>& progress) {
-  check(frame);
-  if (frame.width != source.frame().width || frame.height != source.frame().height) {
-    throw Error(ErrorCode::kInvalidArgument,
-                "cannot write '" + path + "': the frame has " + std::to_string(frame.width) + " x " +
-                    std::to_string(frame.height) + " pixels, but the source '" + source.path() + "' has " +
-                    std::to_string(source.frame().width) + " x " + std::to_string(source.frame().height));
-  }
-  if (!source.data_->straight_alpha.empty()) {
-    throw Error(ErrorCode::kUnsupported, "cannot write '" + path + "': the colour of '" + source.path() +
-                                             "' was read as straight; only results can be written like it");
-  }
+  require_frame_of(path, frame, source, source.data_->straight_alpha);
   const Mapping& mapping = source.data_->mapping;
   with_io_errors("write '" + path + "' from '" + source.path() + "'", [&] {
     SourceFile file(source.path(), mapping.companions, progress);
@@ -198,6 +225,27 @@ void write_frame(const std::string& path, const Frame& frame, const LoadedFrame&
     std::vector<PartPlan> plan = plan_output(file, layout.roles, rules);
     for (PartPlan& part : plan) {
       if (part.source_part == layout.main_part) insert_counts(frame, part.header);
+    }
+    write_whole(path, file, plan, channels, source.data_->memory.get());
+  });
+}
+
+void write_perturbed(const std::string& path, const Frame& moved, const LoadedFrame& source,
+                     const Perturbation& perturbation, const std::function<bool(double)>& progress) {
+  require_frame_of(path, moved, source, source.data_->straight_alpha);
+  if (read_perturbation(source.path())) {
+    throw Error(ErrorCode::kInvalidArgument, "'" + source.path() + "' is perturbed already; perturb the original");
+  }
+  with_io_errors("write '" + path + "' from '" + source.path() + "'", [&] {
+    SourceFile file(source.path(), source.data_->mapping.companions, progress);
+    const Layout layout = reopened_layout(file, source, source.data_->mapping);
+    OutputRules rules;
+    rules.keep_all = true;
+    std::vector<MemoryChannel> channels = moved_channels(moved, source.frame(), file, layout);
+    plan_new(channels, layout, rules);
+    std::vector<PartPlan> plan = plan_output(file, layout.roles, rules);
+    for (PartPlan& part : plan) {
+      if (part.source_part == layout.main_part) insert_perturbation(perturbation, part.header);
     }
     write_whole(path, file, plan, channels, source.data_->memory.get());
   });

@@ -22,6 +22,12 @@ void check(const AdaptiveParams& params, int width, int height) {
   require_not_negative("target_error", static_cast<float>(params.target_error));
   check(params.intermediate);
   check(params.denoise);
+  for (const ExternalCandidate& candidate : params.denoise.candidates) {
+    if (!std::holds_alternative<ExternalImages>(candidate.source)) continue;
+    throw Error(ErrorCode::kInvalidArgument, "the candidate '" + candidate.name +
+                                                 "' has images of a frame that is still to be rendered; give it as a "
+                                                 "function (ExternalDenoiser)");
+  }
   const std::int64_t first = std::int64_t{width} * height * params.initial_samples;
   if (params.budget < first) {
     throw Error(ErrorCode::kInvalidArgument, "the budget is " + std::to_string(params.budget) +
@@ -68,6 +74,7 @@ AdaptiveResult denoise_adaptively(int width, int height, const RenderSamples& re
   const std::int64_t pixels = std::int64_t{width} * height;
   DenoiseParams intermediate = params.denoise;
   intermediate.filters = {params.intermediate};
+  intermediate.candidates.clear();
   intermediate.density.rule = params.density;
   const bool is_of_all = params.density == DensityRule::kAllSamples;
   LoopProgress progress(params.denoise.execution.progress, params.iterations + 1);

@@ -16,6 +16,7 @@ constexpr int kReach = 5;            // blocks
 constexpr double kImageShare = 0.3;  // of the image's mean risk, next to the mean around the block
 // A pixel whose relative risk is above this counts as much less: few pixels with wrong variances must not decide.
 constexpr float kLimit = 0.3F;
+constexpr float kNoiseLimit = 0.1F;  // the same for its noise, where pictures that are no filter's are compared
 
 // The residuals, divergences and weights of one row of a block, all channels one after the other.
 struct BlockRow {
@@ -39,12 +40,39 @@ float risk_at(const BlockRow& row, int picture, int x) {
   return risk;
 }
 
-void add_row(const BlockRow& row, int pictures, const float* mask, MixtureRisk& sums) {
+// What a pixel counts by the risks of the filters' pictures.
+float share_by_risk(const BlockRow& row, int own, int x) {
+  float largest = kLimit;
+  for (int k = 1; k < own; ++k) largest = std::max(largest, std::abs(risk_at(row, k, x)));
+  return kLimit / largest;
+}
+
+// The same by how far its noise moves the comparison of a picture with the mean of the filters', G: by
+// 2 (F - G) (G - y). What all pictures have in common cancels, and a picture that is far from the others counts.
+float share_by_noise(const BlockRow& row, int own, int pictures, std::uint32_t compared, int x) {
+  float common[3] = {};  // G - y
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (int k = 1; k < own; ++k) common[c] += row.residual[k][static_cast<int>(c) * kBlock + x];
+    common[c] /= static_cast<float>(own - 1);
+  }
+  float largest = kNoiseLimit;
+  for (int k = 1; k < pictures; ++k) {
+    if (((compared >> static_cast<unsigned>(k)) & 1U) == 0) continue;
+    float noise = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const int i = static_cast<int>(c) * kBlock + x;
+      noise += row.weight[i] * std::abs((row.residual[k][i] - common[c]) * common[c]);
+    }
+    largest = std::max(largest, noise);
+  }
+  return kNoiseLimit / largest;
+}
+
+template <class Share>
+void add_row(const BlockRow& row, int pictures, const float* mask, const Share& share_of, MixtureRisk& sums) {
   for (int x = 0; x < row.count; ++x) {
     if (mask[x] == 0.0F) continue;
-    float largest = kLimit;
-    for (int k = 1; k < pictures; ++k) largest = std::max(largest, std::abs(risk_at(row, k, x)));
-    const float share = kLimit / largest;
+    const float share = share_of(x);
     sums.pixels += 1.0;
     for (int i = x; i < kValues; i += kBlock) {
       const double weight = share * row.weight[i];
@@ -78,6 +106,17 @@ void blur(int columns, int rows, exec::Runner& runner, std::vector<MixtureRisk>&
   runner.for_each(columns, 0.0, [&](int x, int) { blur_line(other.data() + x, columns, rows, grid.data() + x); });
 }
 
+// Squared, of a picture from the mixture of the first `count`.
+double distance(const MixtureRisk& risk, const MixtureWeights& weights, int count, int picture) {
+  double sum = risk.product(picture, picture);
+  for (int k = 0; k < count; ++k) {
+    const double weight = weights[static_cast<std::size_t>(k)];
+    sum -= 2.0 * weight * risk.product(picture, k);
+    for (int l = 0; l < count; ++l) sum += weight * weights[static_cast<std::size_t>(l)] * risk.product(k, l);
+  }
+  return sum;
+}
+
 // Between which centres of blocks a pixel lies, and how far it is from the first.
 struct Between {
   int first = 0;
@@ -93,38 +132,83 @@ Between between(int pixel, int blocks) {
 
 }  // namespace
 
-Blend::Blend(const Source& source, const LayerSource& layers, const std::vector<MixtureRows>& pictures,
+Blend::Blend(const Source& source, const LayerSource& layers, const std::vector<BlendPicture>& pictures,
              exec::Runner& runner, double progress_weight)
     : source_(source),
       layers_(layers),
       pictures_(pictures),
       count_(1 + static_cast<int>(pictures.size())),
+      own_(1 + static_cast<int>(std::count_if(pictures.begin(), pictures.end(),
+                                              [](const BlendPicture& picture) { return !picture.is_external; }))),
       columns_((source.frame().width + kBlock - 1) / kBlock),
       rows_((source.frame().height + kBlock - 1) / kBlock) {
-  const auto row_start = [&](int row) { return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_); };
-  std::vector<MixtureRisk> grid(row_start(rows_));
-  std::vector<std::vector<float>> lines(static_cast<std::size_t>(runner.slots()),
-                                        std::vector<float>(kBlockLines * kValues));
-  runner.for_each(rows_, progress_weight, [&](int row, int slot) {
-    for (int column = 0; column < columns_; ++column) {
-      grid[row_start(row) + static_cast<std::size_t>(column)] =
-          block_risk(column, row, lines[static_cast<std::size_t>(slot)].data());
-    }
+  const double part = own_ == count_ ? progress_weight : progress_weight / 2;
+  const std::vector<Pictures> none(row_start(rows_), 0);
+  const Risks risks = block_risks(none, runner, part);
+  weights_.resize(none.size());
+  runner.for_each(rows_, 0.0, [&](int row, int) {
+    for (std::size_t block = row_start(row); block < row_start(row + 1); ++block)
+      weights_[block] = least_risk(risks.of(block, none[block]), own_);
   });
-  MixtureRisk image;
-  for (const MixtureRisk& block : grid) image.add(block, 1.0);
-  blur(columns_, rows_, runner, grid);
-  weights_.resize(grid.size());
+  if (own_ < count_) add_externals(risks, runner, part);
+}
+
+// Of a block with its surroundings, and some of the image.
+MixtureRisk Blend::Risks::of(std::size_t block, Pictures compared) const {
+  const MixtureRisk& image = images.at(compared);
+  MixtureRisk risk = blocks[block];
+  if (!(risk.pixels > 0)) return image;
+  risk.add(image, kImageShare * risk.pixels / image.pixels);
+  return risk;
+}
+
+// What is farther from the filters' mixture than the noise of the input is worse than the input: it has no say.
+Blend::Pictures Blend::plausible(const MixtureRisk& risk, const MixtureWeights& own) const {
+  Pictures found = 0;
+  for (int k = own_; k < count_; ++k) {
+    if (distance(risk, own, own_, k) < risk.divergences[0]) found |= Pictures{1} << static_cast<unsigned>(k);
+  }
+  return found;
+}
+
+// Weights anew, where there is an external picture that can be right; the others stay.
+void Blend::add_externals(const Risks& own_risks, exec::Runner& runner, double progress_weight) {
+  const Pictures own = (Pictures{1} << static_cast<unsigned>(own_)) - 1;
+  std::vector<Pictures> compared(weights_.size());
+  runner.for_each(rows_, 0.0, [&](int row, int) {
+    for (std::size_t block = row_start(row); block < row_start(row + 1); ++block)
+      compared[block] = own | plausible(own_risks.blocks[block], weights_[block]);
+  });
+  const Risks risks = block_risks(compared, runner, progress_weight);
   runner.for_each(rows_, 0.0, [&](int row, int) {
     for (std::size_t block = row_start(row); block < row_start(row + 1); ++block) {
-      MixtureRisk& risk = grid[block];
-      if (image.pixels > 0) risk.add(image, kImageShare * risk.pixels / image.pixels);
-      weights_[block] = least_risk(risk.pixels > 0 ? risk : image, count_);
+      if (compared[block] == own) continue;
+      weights_[block] = least_risk(risks.of(block, compared[block]), count_, compared[block]);
     }
   });
 }
 
-MixtureRisk Blend::block_risk(int column, int row, float* lines) const {
+// `compared`: of each block, see block_risk.
+Blend::Risks Blend::block_risks(const std::vector<Pictures>& compared, exec::Runner& runner,
+                                double progress_weight) const {
+  Risks risks;
+  risks.blocks.resize(compared.size());
+  std::vector<std::vector<float>> lines(static_cast<std::size_t>(runner.slots()),
+                                        std::vector<float>(kBlockLines * kValues));
+  runner.for_each(rows_, progress_weight, [&](int row, int slot) {
+    for (int column = 0; column < columns_; ++column) {
+      const std::size_t block = row_start(row) + static_cast<std::size_t>(column);
+      risks.blocks[block] = block_risk(column, row, compared[block], lines[static_cast<std::size_t>(slot)].data());
+    }
+  });
+  for (std::size_t block = 0; block < compared.size(); ++block)
+    risks.images[compared[block]].add(risks.blocks[block], 1.0);
+  blur(columns_, rows_, runner, risks.blocks);
+  return risks;
+}
+
+// `compared`: the pictures whose differences limit what a pixel counts; none: the filters' risks limit it.
+MixtureRisk Blend::block_risk(int column, int row, Pictures compared, float* lines) const {
   const Frame& frame = source_.frame();
   const int x0 = column * kBlock;
   BlockRow values;
@@ -137,6 +221,9 @@ MixtureRisk Blend::block_risk(int column, int row, float* lines) const {
   }
   float mean[kBlock] = {};
   float mask[kBlock] = {};
+  const auto share = [&](int x) {
+    return compared == 0 ? share_by_risk(values, own_, x) : share_by_noise(values, own_, count_, compared, x);
+  };
   MixtureRisk sums;
   for (int y = row * kBlock; y < std::min((row + 1) * kBlock, frame.height); ++y) {
     for (int c = 0; c < 3; ++c) {
@@ -146,20 +233,20 @@ MixtureRisk Blend::block_risk(int column, int row, float* lines) const {
       source_.colour_row(channel, y, x0, values.count, values.residual[0] + first);
       source_.variance_row(channel, y, x0, values.count, values.divergence[0] + first);
       for (int k = 1; k < count_; ++k) {
-        const MixtureRows& picture = pictures_[static_cast<std::size_t>(k - 1)];
+        const MixtureRows& picture = pictures_[static_cast<std::size_t>(k - 1)].rows;
         std::copy_n(picture.result(c, y) + x0, values.count, values.residual[k] + first);
         std::copy_n(picture.divergence(c, y) + x0, values.count, values.divergence[k] + first);
       }
       for (int x = 0; x < values.count; ++x) {
         float scale = 0;
-        for (int k = 1; k < count_; ++k) scale += values.residual[k][first + x];
-        scale /= static_cast<float>(count_ - 1);
+        for (int k = 1; k < own_; ++k) scale += values.residual[k][first + x];
+        scale /= static_cast<float>(own_ - 1);
         values.weight[first + x] = 1.0F / (3.0F * (scale * scale + kRelativeEpsilon));
         for (int k = 0; k < count_; ++k) values.residual[k][first + x] -= mean[x];
       }
     }
     source_.mask_row(y, x0, values.count, mask);
-    add_row(values, count_, mask, sums);
+    add_row(values, count_, mask, share, sums);
   }
   return sums;
 }
@@ -204,7 +291,7 @@ void Blend::run(const Rect& tile, const Mixture& out, float* lines, std::ptrdiff
     weight_rows(tile, y, lines, pitch);
     largest_row(maps, count_, n, out.choice->row(y) + tile.x0);
     const auto picture = [&](int k, int plane) {
-      return pictures_[static_cast<std::size_t>(k)].plane(plane, y) + tile.x0;
+      return pictures_[static_cast<std::size_t>(k)].rows.plane(plane, y) + tile.x0;
     };
     mix_row(source_, layers_, picture, maps, count_, tile, y, out.rows);
   }

@@ -16,6 +16,7 @@
 #include "kernels/guides.hpp"
 #include "pipeline/blend.hpp"
 #include "pipeline/error_stages.hpp"
+#include "pipeline/external_picture.hpp"
 #include "pipeline/filter_job.hpp"
 #include "pipeline/layers.hpp"
 #include "pipeline/risk_choice.hpp"
@@ -33,6 +34,7 @@ constexpr double kMainShare = 0.97;              // of the progress
 constexpr double kRestShare = 1.0 - kMainShare;  // inspecting the input and summing up
 constexpr double kSurveyShare = 0.12;            // of a filter's share
 constexpr double kBlendShare = 0.05;             // of the main share, where there are several filters
+constexpr double kExternalShare = 0.05;          // of the main share, for each external candidate
 
 bool is_limited(const Execution& execution) { return execution.memory && execution.memory->limit().bytes > 0; }
 
@@ -91,6 +93,7 @@ void replace_outliers(Source& source, const DenoiseParams& params, exec::Runner&
 struct Run {
   const DenoiseParams& params;
   const Source& source;
+  const Source& given;  // before outliers were scaled down
   const LayerSource& layers;
   const OutlierEnergy& energy;
   exec::RowPipelineGeometry geometry;
@@ -139,7 +142,7 @@ void filter_alone(Run& run, bool knows_covariances) {
 // A filter's picture of the whole image.
 struct Picture {
   exec::RowRing rows;
-  Plane choice;
+  Plane choice;  // none of an external candidate, which is one entry
 };
 
 Picture make_picture(Run& run, const FilterPlan& plan, double share, Survey* findings) {
@@ -154,6 +157,25 @@ Picture make_picture(Run& run, const FilterPlan& plan, double share, Survey* fin
   return picture;
 }
 
+// The mixture gets back what outliers lost, whatever it is of; a candidate that never lost it must not have it twice.
+void take_outlier_energy(Run& run, const exec::RowRing& rows) {
+  const MixtureRows picture(rows);
+  run.runner.for_each(run.geometry.height, 0.0, [&](int y, int) {
+    for (int c = 0; c < 3; ++c) run.energy.add_colour(c, y, 0, run.geometry.width, -1.0F, picture.result(c, y));
+  });
+}
+
+std::vector<Picture> external_pictures(Run& run) {
+  std::vector<Picture> pictures;
+  for (const ExternalCandidate& candidate : run.params.candidates) {
+    run.clock.measure("external", [&] {
+      pictures.push_back({external_picture(run.given, candidate, run.runner, kMainShare * kExternalShare), Plane()});
+      take_outlier_energy(run, pictures.back().rows);
+    });
+  }
+  return pictures;
+}
+
 // From the index of a picture to that of an entry of all filters, in the order of candidate_names().
 void name_choices(const std::vector<Picture>& pictures, const std::vector<int>& first_entry, const Rect& tile,
                   Plane& choice) {
@@ -162,7 +184,8 @@ void name_choices(const std::vector<Picture>& pictures, const std::vector<int>& 
     for (int x = tile.x0; x < tile.x1; ++x) {
       const auto picture = static_cast<std::size_t>(row[x]);
       if (picture == 0) continue;
-      const float entry = pictures[picture - 1].choice.row(y)[x];
+      const Plane& own = pictures[picture - 1].choice;
+      const float entry = own ? own.row(y)[x] : 1.0F;
       row[x] = entry == 0.0F ? 0.0F : entry + static_cast<float>(first_entry[picture - 1]);
     }
   }
@@ -171,23 +194,30 @@ void name_choices(const std::vector<Picture>& pictures, const std::vector<int>& 
 // Several filters, one after the other, and then their mixture.
 void filter_together(Run& run, bool knows_covariances) {
   std::vector<Picture> pictures;
-  std::vector<MixtureRows> rows;
+  std::vector<BlendPicture> rows;
   std::vector<int> first_entry;  // of a filter, minus 1
   std::vector<double> costs;
   for (const FilterPlan& plan : run.plans)
     costs.push_back(static_cast<double>(candidate_names(plan.spec).size() * static_cast<std::size_t>(plan.runs())));
   const double all = std::accumulate(costs.begin(), costs.end(), 0.0);
-  pictures.reserve(run.plans.size());
   Survey findings;
   int entries = 0;
+  std::vector<Picture> external = external_pictures(run);  // first: they are what can turn out to be unusable
+  const double left = 1.0 - kBlendShare - kExternalShare * static_cast<double>(external.size());
+  pictures.reserve(run.plans.size() + external.size());
   for (std::size_t f = 0; f < run.plans.size(); ++f) {
-    const double share = kMainShare * (1.0 - kBlendShare) * costs[f] / all;
-    pictures.push_back(make_picture(run, run.plans[f], share, f == 0 ? &findings : nullptr));
-    rows.emplace_back(pictures.back().rows);
+    pictures.push_back(
+        make_picture(run, run.plans[f], kMainShare * left * costs[f] / all, f == 0 ? &findings : nullptr));
     first_entry.push_back(entries);
     entries += static_cast<int>(candidate_names(run.plans[f].spec).size()) - 1;
   }
   run.doubt(findings, knows_covariances);
+  for (Picture& picture : external) {
+    pictures.push_back(std::move(picture));
+    first_entry.push_back(entries++);
+  }
+  for (std::size_t p = 0; p < pictures.size(); ++p)
+    rows.push_back({MixtureRows(pictures[p].rows), p >= run.plans.size()});
 
   std::optional<Blend> blend;
   run.clock.measure("weigh",
@@ -212,11 +242,11 @@ void filter_together(Run& run, bool knows_covariances) {
   run.execute(stages, kMainShare * kBlendShare / 2);
   errors.calibrate(run.runner);
   const MixtureWeights weights = blend->mean_weights();
-  for (std::size_t f = 0; f < run.plans.size(); ++f) run.result.report.filters[f].weight = weights[f + 1];
+  for (std::size_t f = 0; f < pictures.size(); ++f) run.result.report.filters[f].weight = weights[f + 1];
 }
 
-void describe(const FilterSpec& filter, const RiskChoice& risk, DenoiseReport& report) {
-  report.filters.push_back({std::string(filter_name(filter)), 0.0, risk.name, risk.reason});
+void describe(const std::string& filter, const RiskChoice& risk, DenoiseReport& report) {
+  report.filters.push_back({filter, 0.0, risk.name, risk.reason});
   for (const std::string& warning : risk.warnings) {
     const auto same = std::find(report.warnings.begin(), report.warnings.end(), warning);
     if (same == report.warnings.end()) report.warnings.push_back(warning);
@@ -228,6 +258,7 @@ void describe(const FilterSpec& filter, const RiskChoice& risk, DenoiseReport& r
 void check(const DenoiseParams& params) {
   require_in_range("the number of filters", static_cast<float>(params.filters.size()), 1.0F, kMaxFilters);
   for (const FilterSpec& filter : params.filters) check(filter);
+  check_candidates(params);
   require_in_range("strength", params.strength, 0.0F, 1.0F);
   require_in_range("outliers.excess", params.outliers.excess, 0.0F, 100.0F);
   require_in_range("outliers.spread", params.outliers.spread, 0.0F, 100.0F, "px");
@@ -252,6 +283,7 @@ void check(const DenoiseParams& params) {
 DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {
   check(params);
   check(frame);
+  require_no_layers(frame, params);
   DenoiseResult result;
   DenoiseReport& report = result.report;
   std::vector<FilterPlan> plans;
@@ -260,7 +292,10 @@ DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {
     const RiskChoice risk = choose_risk(frame, filter, params);
     plans.push_back({filter, risk.method, params.monte_carlo});
     knows_covariances = knows_covariances && risk.knows_covariances;
-    describe(filter, risk, report);
+    describe(std::string(filter_name(filter)), risk, report);
+  }
+  for (const ExternalCandidate& candidate : params.candidates) {
+    describe(candidate.name, external_risk(frame, draws_of(candidate)), report);
   }
   exec::Runner runner(params.execution);
   StageClock clock(report.stages);
@@ -271,13 +306,14 @@ DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {
   Memory* const memory = params.execution.memory.get();
   allocate(frame, memory, result);
   Source source(frame, report.frame, memory);
+  const Source given = source;
   clock.measure("outliers", [&] { replace_outliers(source, params, runner, report); });
 
   const LayerSource layers(frame, report.frame, source);
   const OutlierEnergy energy(source, layers, params.outliers.spread);
-  Run run{params, source, layers, energy, geometry_of(frame, params.execution, runner.slots()),
-          runner, clock,  plans,  result};
-  if (plans.size() == 1) {
+  Run run{params, source, given, layers, energy, geometry_of(frame, params.execution, runner.slots()),
+          runner, clock,  plans, result};
+  if (plans.size() == 1 && params.candidates.empty()) {
     filter_alone(run, knows_covariances);
   } else {
     filter_together(run, knows_covariances);

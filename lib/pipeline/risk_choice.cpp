@@ -120,7 +120,7 @@ RiskChoice taylor(const DenoiseParams& params) {
                 "adaptive-order: the density of all samples needs the divergence that the error by Taylor expansion "
                 "does not give; choose OrderError::kRisk, or DensityRule::kErrorReduction");
   }
-  if (params.filters.size() > 1) {
+  if (params.filters.size() + params.candidates.size() > 1) {
     throw Error(
         ErrorCode::kInvalidArgument,
         "adaptive-order: the error by Taylor expansion is no risk by which several filters can be mixed; choose "
@@ -143,6 +143,17 @@ RiskChoice choose_risk(const Frame& frame, const FilterSpec& filter, const Denoi
   if (!has_derivative(filter)) return monte_carlo(frame, noisy, "the filter has no closed form");
   if (params.risk == Risk::kJoint) require_covariances(frame, noisy);
   return closed_form(noisy, params.risk);
+}
+
+RiskChoice external_risk(const Frame& frame, int draws) {
+  NoisyGuides noisy;
+  for (const Feature& feature : frame.features) {
+    if (feature.variance.empty()) continue;
+    (feature.colour_covariance.empty() ? noisy.unknown : noisy.known).push_back(feature.name);
+  }
+  (frame.colour_covariance[0] ? noisy.known : noisy.unknown).emplace_back("the colour channels");
+  return monte_carlo(frame, noisy,
+                     "from " + std::to_string(draws) + (draws == 1 ? " perturbed run" : " perturbed runs"));
 }
 
 }  // namespace stein

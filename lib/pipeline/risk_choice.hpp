@@ -21,4 +21,7 @@ struct RiskChoice {
 /// for, kInvalidFrame where the frame lacks what it takes.
 [[nodiscard]] RiskChoice choose_risk(const Frame& frame, const FilterSpec& filter, const DenoiseParams& params);
 
+/// For an external candidate, of which is not known what it reads.
+[[nodiscard]] RiskChoice external_risk(const Frame& frame, int draws);
+
 }  // namespace stein

@@ -175,6 +175,7 @@ void summarise(const Source& source, const DenoiseParams& params, exec::Runner& 
   DenoiseReport& report = result.report;
   fill_density(source, result.density);
   report.candidates = candidate_names(params.filters);
+  for (const ExternalCandidate& candidate : params.candidates) report.candidates.push_back(candidate.name);
   report.instruction_set = kernels::instruction_set();
   std::vector<RowSums> rows(static_cast<std::size_t>(frame.height));
   runner.for_each(frame.height, progress_weight, [&](int y, int) {

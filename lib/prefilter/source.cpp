@@ -163,8 +163,8 @@ void Source::direction_row(std::size_t channel, int y, int x, int count, float* 
   }
 }
 
-// Moves channel k of a feature, in units of `factor` times normalised ones, along the perturbation's direction.
-void Source::add_step(std::size_t feature, std::size_t k, float factor, int y, int x, int count, float* mean) const {
+void Source::feature_direction_row(std::size_t feature, std::size_t k, float factor, int y, int x, int count,
+                                   float* out) const {
   float covariance[3][kChunk];
   for (int start = 0; start < count; start += kChunk) {
     const int part = std::min(kChunk, count - start);
@@ -173,9 +173,18 @@ void Source::add_step(std::size_t feature, std::size_t k, float factor, int y, i
       feature_covariance_row(c, feature, k, factor, y, x + start, part, covariance[c]);
     for (int i = 0; i < part; ++i) {
       const auto z = random_signs(perturbation_->seed, perturbation_->draw, x + start + i, y);
-      mean[start + i] +=
-          perturbation_->step * factors[i].feature(covariance[0][i], covariance[1][i], covariance[2][i], z);
+      out[start + i] = factors[i].feature(covariance[0][i], covariance[1][i], covariance[2][i], z);
     }
+  }
+}
+
+// Moves channel k of a feature, in units of `factor` times normalised ones, along the perturbation's direction.
+void Source::add_step(std::size_t feature, std::size_t k, float factor, int y, int x, int count, float* mean) const {
+  float b[kChunk];
+  for (int start = 0; start < count; start += kChunk) {
+    const int part = std::min(kChunk, count - start);
+    feature_direction_row(feature, k, factor, y, x + start, part, b);
+    for (int i = 0; i < part; ++i) mean[start + i] += perturbation_->step * b[i];
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include "core/validity.hpp"
 #include "prefilter/replaced_pixels.hpp"
+#include "stein/candidate.hpp"
 #include "stein/frame.hpp"
 #include "stein/memory.hpp"
 
@@ -27,14 +28,6 @@ namespace stein {
 /// nature (normal, albedo, visibility), the 99.9 % quantile for depth, the largest channel's 0.1-99.9 % range for
 /// others.
 [[nodiscard]] float feature_range(const Feature& feature, const Memory* memory = nullptr);
-
-/// A random step of the whole input: pixel by pixel `step` times a direction b of +-1 standard deviations that has the
-/// joint covariance of its colour and features (all of the mean), and covariance 0 with any other pixel's.
-struct Perturbation {
-  std::uint64_t seed = 0;
-  int draw = 0;
-  float step = 0;
-};
 
 class Source {
  public:
@@ -66,6 +59,9 @@ class Source {
                               int count, float* out) const;
   /// The direction b of a perturbed source, in a colour channel; 0 at replaced pixels.
   void direction_row(std::size_t channel, int y, int x, int count, float* out) const;
+  /// The same for channel k of a feature in normalised units, times `factor`.
+  void feature_direction_row(std::size_t feature, std::size_t k, float factor, int y, int x, int count,
+                             float* out) const;
   /// The frame's own colour mean and variance of the mean, for the risk; at invalid pixels the fill and 0.
   void input_row(std::size_t channel, int y, int x, int count, float* mean, float* variance) const;
   /// 1 at valid pixels, 0 at invalid ones.

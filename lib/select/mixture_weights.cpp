@@ -9,11 +9,13 @@ namespace {
 
 using Vector = std::array<double, kMaxMixed>;
 
-int best_alone(const MixtureRisk& risk, int count) {
+bool is_among(std::uint32_t among, int k) { return ((among >> static_cast<unsigned>(k)) & 1U) != 0; }
+
+int best_alone(const MixtureRisk& risk, int count, std::uint32_t among) {
   const auto value = [&](int k) { return risk.product(k, k) + 2.0 * risk.divergences[static_cast<std::size_t>(k)]; };
   int best = 0;
   for (int k = 1; k < count; ++k) {
-    if (value(k) < value(best)) best = k;
+    if (is_among(among, k) && value(k) < value(best)) best = k;
   }
   return best;
 }
@@ -49,15 +51,18 @@ void MixtureRisk::add(const MixtureRisk& other, double factor) {
 
 // Exact minimisation along the edges of the simplex in turn: the risk is convex, and every point where no edge leads
 // down is its minimum.
-MixtureWeights least_risk(const MixtureRisk& risk, int count) {
+MixtureWeights least_risk(const MixtureRisk& risk, int count, std::uint32_t among) {
   constexpr int kMostSweeps = 200;
   constexpr double kStill = 1e-6;
   Vector weights{};
-  weights[static_cast<std::size_t>(best_alone(risk, count))] = 1.0;
+  weights[static_cast<std::size_t>(best_alone(risk, count, among))] = 1.0;
   for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
     double moved = 0;
     for (int a = 1; a < count; ++a) {
-      for (int b = 0; b < a; ++b) moved += balance(risk, count, a, b, weights);
+      if (!is_among(among, a)) continue;
+      for (int b = 0; b < a; ++b) {
+        if (is_among(among, b)) moved += balance(risk, count, a, b, weights);
+      }
     }
     if (moved < kStill) break;
   }

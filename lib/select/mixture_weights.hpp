@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "stein/filters.hpp"
 
@@ -34,7 +35,8 @@ struct MixtureRisk {
 
 using MixtureWeights = std::array<float, kMaxMixed>;
 
-/// The weights >= 0 with sum 1 over the first `count` pictures at which the risk is least. Deterministic.
-[[nodiscard]] MixtureWeights least_risk(const MixtureRisk& risk, int count);
+/// The weights >= 0 with sum 1 over the first `count` pictures at which the risk is least. Deterministic. Pictures
+/// whose bit is not in `among` get none; picture 0 is always among them.
+[[nodiscard]] MixtureWeights least_risk(const MixtureRisk& risk, int count, std::uint32_t among = ~0U);
 
 }  // namespace stein

@@ -9,6 +9,8 @@
 #include <exception>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "frame.hpp"
 #include "stein/error.hpp"
@@ -46,6 +48,47 @@ class Progress {
   std::thread::id caller_ = std::this_thread::get_id();
   std::exception_ptr raised_;
 };
+
+/// A function of Python as an external denoiser. What it raises passes through the library.
+class PythonDenoiser {
+ public:
+  PythonDenoiser(std::string name, nb::handle function) : name_(std::move(name)), function_(function) {}
+
+  std::array<Plane, 3> operator()(const Frame& frame) const {
+    const nb::gil_scoped_acquire gil;
+    const nb::object answer = function_(nb::cast(copy_of(frame)));
+    std::vector<InputArray> owners;
+    const std::vector<ConstPlaneView> views = views_of(answer, "the image of the candidate '" + name_ + "'", 3, owners);
+    if (views.empty()) refuse("the candidate '" + name_ + "' returned no image");
+    std::array<Plane, 3> image = Plane::triple(views[0].width(), views[0].height());
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (views[c].width() != image[c].width() || views[c].height() != image[c].height())
+        refuse("the channels that the candidate '" + name_ + "' returned differ in size");
+      for (int y = 0; y < image[c].height(); ++y) views[c].read_row(y, 0, image[c].width(), image[c].row(y));
+    }
+    return image;
+  }
+
+ private:
+  std::string name_;
+  nb::handle function_;  // held by the call's arguments
+};
+
+std::vector<ExternalCandidate> candidates_of(const nb::dict& candidates) {
+  std::vector<ExternalCandidate> list;
+  for (const auto [key, value] : candidates) {
+    const auto name = nb::cast<std::string>(key);
+    const nb::tuple parts = nb::isinstance<nb::tuple>(value) ? nb::borrow<nb::tuple>(value) : nb::make_tuple(value);
+    ExternalDenoiser denoiser;
+    if (parts.size() < 1 || parts.size() > 2 || !nb::isinstance<nb::callable>(parts[0]) ||
+        (parts.size() == 2 && !nb::try_cast(nb::handle(parts[1]), denoiser.draws))) {
+      refuse("the candidate '" + name + "' is neither a function nor (function, draws)");
+    }
+    denoiser.run = PythonDenoiser(name, nb::handle(parts[0]));
+    list.push_back({name, denoiser});
+  }
+  return list;
+}
 
 constexpr const char* kQuality = "quality";
 
@@ -91,8 +134,9 @@ DenoiseParams params_of(const Frame& frame, const std::string& filter, const nb:
 }
 
 OutputFrame run(const InputFrame& input, const std::string& filter, const nb::dict& feature_sigmas,
-                const nb::dict& options, nb::handle callback) {
+                const nb::dict& options, const nb::dict& candidates, nb::handle callback) {
   DenoiseParams params = params_of(input.frame, filter, feature_sigmas, options);
+  params.candidates = candidates_of(candidates);
 #ifdef STEIN_PYTHON_EXR
   if (input.file) params.luminance_weights = input.file->luminance_weights();
 #endif
@@ -169,9 +213,10 @@ void bind_denoise(nb::module_& module) {
           "density", [](OutputFrame& o) { return array_of(o.result.density); }, "Where samples are worth most; mean 1")
       .def_prop_ro("report", report_of, nb::sig("def report(self) -> stein._types.Report"));
   module.def("denoise", run, nb::arg("frame"), nb::arg("filter"), nb::arg("feature_sigmas"), nb::arg("options"),
-             nb::arg("progress").none(),
+             nb::arg("candidates"), nb::arg("progress").none(),
              nb::sig("def denoise(frame: Frame, filter: str, feature_sigmas: dict[str, float], "
-                     "options: dict[str, typing.Any], progress: collections.abc.Callable[[float], bool | None] | None) "
+                     "options: dict[str, typing.Any], candidates: dict[str, stein._types.Candidate], progress: "
+                     "collections.abc.Callable[[float], bool | None] | None) "
                      "-> Result"));
   module.def(
       "filter_names",

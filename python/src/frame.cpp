@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <new>
 #include <string>
+#include <utility>
 
 namespace stein::python {
 namespace {
@@ -101,7 +102,35 @@ constexpr const char* kDoc =
     "degrees_of_freedom: of the variances, where they do not come from single samples: K - 1 for the spread of K\n"
     "renders.";
 
+// A float copy in memory of the frame.
+ConstPlaneView owned(const ConstPlaneView& view, InputFrame& frame) {
+  if (!view) return {};
+  Plane plane(view.width(), view.height());
+  for (int y = 0; y < view.height(); ++y) view.read_row(y, 0, view.width(), plane.row(y));
+  frame.planes.push_back(std::move(plane));
+  return std::as_const(frame.planes.back()).view();
+}
+
 }  // namespace
+
+InputFrame copy_of(const Frame& frame) {
+  InputFrame copy;
+  copy.frame = frame;
+  const auto own = [&copy](auto& views) {
+    for (ConstPlaneView& view : views) view = owned(view, copy);
+  };
+  own(copy.frame.colour);
+  own(copy.frame.colour_variance);
+  own(copy.frame.colour_covariance);
+  copy.frame.sample_count = owned(frame.sample_count, copy);
+  for (Feature& feature : copy.frame.features) {
+    own(feature.mean);
+    own(feature.variance);
+    own(feature.colour_covariance);
+  }
+  for (Layer& layer : copy.frame.layers) own(layer.mean);
+  return copy;
+}
 
 void bind_frame(nb::module_& module) {
   nb::class_<InputFrame>(module, "Frame", kDoc)

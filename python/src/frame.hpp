@@ -17,6 +17,7 @@ namespace stein::python {
 struct InputFrame {
   Frame frame;
   std::vector<InputArray> arrays;
+  std::vector<Plane> planes;  // of a frame that the library made
 #ifdef STEIN_PYTHON_EXR
   std::optional<exr::LoadedFrame> file;
 #endif
@@ -28,6 +29,9 @@ struct OutputFrame {
   std::string filter;
   std::vector<std::string> features;
 };
+
+/// With memory of its own, so that it can outlive `frame`.
+[[nodiscard]] InputFrame copy_of(const Frame& frame);
 
 void bind_frame(nb::module_& module);
 void bind_denoise(nb::module_& module);

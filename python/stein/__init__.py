@@ -14,7 +14,7 @@ from . import _stein
 from ._errors import Cancelled, Error, ErrorCode, FileError, InvalidArgument, InvalidFrame, Unsupported
 from ._stein import Frame, Result, filter_names
 from ._stein import version as __version__
-from ._types import FeaturePlanes, Options, Planes, Report
+from ._types import Candidate, FeaturePlanes, Options, Planes, Report
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -40,6 +40,7 @@ def denoise(
     degrees_of_freedom: float = 0,
     filter: str = "auto",
     feature_sigmas: Mapping[str, float] | None = None,
+    candidates: Mapping[str, Candidate] | None = None,
     progress: Callable[[float], bool | None] | None = None,
     **options: Unpack[Options],
 ) -> Result:
@@ -48,6 +49,9 @@ def denoise(
     colour: a Frame, or the arrays to make one of; the arguments up to degrees_of_freedom are then those of Frame.
     filter: "auto", or one or more of filter_names() with commas between, which are mixed.
     feature_sigmas: how strongly features guide, by name; smaller is stronger, 0: not at all.
+    candidates: other denoisers, by name, that are mixed with the filters where they are better: a function that takes a
+    Frame and returns an array of height x width x 3, or (function, draws). It is called for the frame, and for `draws`
+    perturbed ones (1), by which its error is told.
     progress: called with the fraction done, from any thread; cancels by returning False or by raising.
     options: further parameters, see Options; each filter has some of its own.
 
@@ -61,4 +65,4 @@ def denoise(
     else:
         frame = Frame(colour, variance, features=dict(features or {}), covariance=covariance, samples=samples,
                       degrees_of_freedom=degrees_of_freedom)  # fmt: skip
-    return _stein.denoise(frame, filter, dict(feature_sigmas or {}), dict(options), progress)
+    return _stein.denoise(frame, filter, dict(feature_sigmas or {}), dict(options), dict(candidates or {}), progress)

@@ -1,15 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
 """Types of arguments and results."""
 
-from collections.abc import Sequence
-from typing import Any, Literal, TypedDict, Union
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, Union
 
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from ._stein import Frame  # noqa: F401, by name in an alias
 
 # An array of height x width x channels or height x width, or a list of these.
 Planes = Union[NDArray[Any], list[NDArray[Any]]]
 # The mean; or with its variance; or with its covariance with the colour as well.
 FeaturePlanes = Union[Planes, tuple[Planes], tuple[Planes, Union[Planes, None]], tuple[Planes, Union[Planes, None], Planes]]
+
+# Another denoiser; or with the number of perturbed frames that it is run on.
+Denoiser = Callable[["Frame"], Planes]
+Candidate = Union[Denoiser, tuple[Denoiser, int]]
 
 # The names of the channels of the mean, or those and of the variance.
 Channels = Union[list[str], tuple[list[str], list[str]]]
@@ -57,7 +66,7 @@ class Options(TypedDict, total=False):
 
 
 class FilterShare(TypedDict):
-    """One filter's part in the result."""
+    """The part of a filter, or of a candidate, in the result."""
 
     name: str
     weight: float

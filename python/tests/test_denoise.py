@@ -288,3 +288,42 @@ def test_threads_of_python_may_call_at_the_same_time():
     for thread in threads:
         thread.join()
     assert len(results) == 4 and all(np.array_equal(result, expected) for result in results)
+
+
+def test_another_denoiser_joins_as_a_function():
+    scene = Scene()
+    seen = []
+
+    def truth(frame):
+        seen.append(frame)
+        return scene.truth
+
+    result = stein.denoise(**scene.arguments(), candidates={"truth": (truth, 2)})
+    assert len(seen) == 3
+    gc.collect()
+    colours = [np.stack([frame.planes[c] for c in "RGB"], -1) for frame in seen]  # they outlive the call
+    assert np.array_equal(colours[0], scene.colour)
+    step = (colours[1] - colours[0]) / np.sqrt(scene.variance)
+    assert 0.05 < np.abs(step).mean() < 0.2 and not np.array_equal(colours[1], colours[2])
+    assert result.report["candidates"][-1] == "truth"
+    assert result.report["filters"][-1]["name"] == "truth"
+    assert mse(result.colour, scene.truth) < 0.5 * mse(stein.denoise(**scene.arguments()).colour, scene.truth)
+
+
+def test_denoisers_that_fail():
+    arguments = Scene().arguments()
+
+    def raises(frame):
+        raise KeyError("cheese")
+
+    with pytest.raises(KeyError, match="cheese"):
+        stein.denoise(**arguments, candidates={"a": raises})
+    with pytest.raises(stein.InvalidArgument, match="'a'.*2x3"):
+        stein.denoise(**arguments, candidates={"a": lambda frame: np.zeros((3, 2, 3), np.float32)})
+    with pytest.raises(stein.InvalidArgument, match="'a' returned no image"):
+        stein.denoise(**arguments, candidates={"a": lambda frame: None})
+    for wrong in (3, (), (raises, 1, 2), (raises, "x")):
+        with pytest.raises(stein.InvalidArgument, match="'a' is neither a function"):
+            stein.denoise(**arguments, candidates={"a": wrong})
+    with pytest.raises(stein.InvalidArgument, match="17"):
+        stein.denoise(**arguments, candidates={"a": (raises, 17)})

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Joint SURE: Li, "Joint Stein's Unbiased Risk Estimation for Adaptive Sampling and Reconstruction", 2017.
+#include "pipeline/external_picture.hpp"
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "core/parameter_check.hpp"
+#include "core/validity.hpp"
+#include "pipeline/mixture.hpp"
+#include "stein/error.hpp"
+
+namespace stein {
+namespace {
+
+using Image = std::array<ConstPlaneView, 3>;
+
+[[noreturn]] void refuse(const ExternalCandidate& candidate, const std::string& what) {
+  throw Error(ErrorCode::kInvalidArgument, "the candidate '" + candidate.name + "': " + what);
+}
+
+// What it made of one frame, with the memory where that is the library's.
+struct Answer {
+  std::array<Plane, 3> memory;
+  Image image;
+};
+
+Layer as_layer(const ExternalCandidate& candidate, const Image& image) {
+  return {candidate.name, {image.begin(), image.end()}};
+}
+
+class Pictures {
+ public:
+  Pictures(const Source& given, const ExternalCandidate& candidate, exec::Runner& runner, double progress_weight)
+      : given_(given),
+        frame_(given.frame()),
+        candidate_(candidate),
+        runner_(runner),
+        share_(progress_weight / (1 + draws_of(candidate))),
+        rows_(MixtureRows::planes(0), frame_.width, frame_.height, given.memory(), Memory::Use::kImage),
+        out_(rows_),
+        lines_(static_cast<std::size_t>(runner.slots()), std::vector<float>(static_cast<std::size_t>(frame_.width))) {}
+
+  exec::RowRing make() {
+    take_image(answer(nullptr).image);
+    for (int draw = 0; draw < draws_of(candidate_); ++draw) {
+      const Perturbation perturbation = perturbation_of(draw);
+      add_draw(answer(&perturbation, draw).image, given_.perturbed(perturbation), perturbation.step);
+    }
+    return std::move(rows_);
+  }
+
+ private:
+  [[nodiscard]] Perturbation perturbation_of(int draw) const {
+    if (const auto* denoiser = std::get_if<ExternalDenoiser>(&candidate_.source))
+      return {denoiser->seed, draw, denoiser->step};
+    return std::get<ExternalImages>(candidate_.source).draws[static_cast<std::size_t>(draw)].perturbation;
+  }
+
+  // Of the frame as it is, or perturbed.
+  Answer answer(const Perturbation* perturbation, int draw = 0) {
+    runner_.for_each(1, 0.0, [](int, int) {});  // whether to go on
+    Answer out;
+    if (const auto* images = std::get_if<ExternalImages>(&candidate_.source)) {
+      out.image = perturbation == nullptr ? images->image : images->draws[static_cast<std::size_t>(draw)].image;
+    } else {
+      const auto& run = std::get<ExternalDenoiser>(candidate_.source).run;
+      out.memory = perturbation == nullptr ? run(frame_) : run(PerturbedFrame(frame_, *perturbation).frame());
+      for (std::size_t c = 0; c < 3; ++c) out.image[c] = std::as_const(out.memory[c]).view();
+    }
+    require_usable(out.image, perturbation != nullptr);
+    return out;
+  }
+
+  void require_usable(const Image& image, bool is_perturbed) const {
+    const std::string which = is_perturbed ? "its image of a perturbed frame " : "its image ";
+    for (const ConstPlaneView& plane : image) {
+      if (plane && plane.width() == frame_.width && plane.height() == frame_.height) continue;
+      refuse(candidate_, which + "has " + std::to_string(plane.width()) + "x" + std::to_string(plane.height()) +
+                             " pixels, the frame " + std::to_string(frame_.width) + "x" +
+                             std::to_string(frame_.height) + "; it must be of the same frame");
+    }
+    std::vector<int> first_bad(static_cast<std::size_t>(frame_.height), -1);  // per row
+    runner_.for_each(frame_.height, 0.0, [&](int y, int) {
+      std::vector<float> usable(2 * static_cast<std::size_t>(frame_.width));
+      float* both = usable.data() + frame_.width;
+      colour_validity_row(frame_, y, 0, frame_.width, usable.data());
+      if (layer_validity_row(frame_, as_layer(candidate_, image), y, 0, frame_.width, both) == 0) return;
+      for (int x = frame_.width - 1; x >= 0; --x) {
+        if (usable[static_cast<std::size_t>(x)] != both[x]) first_bad[static_cast<std::size_t>(y)] = x;
+      }
+    });
+    for (int y = 0; y < frame_.height; ++y) {
+      const int x = first_bad[static_cast<std::size_t>(y)];
+      if (x < 0) continue;
+      refuse(candidate_, which + "is no colour at pixel (" + std::to_string(x) + ", " + std::to_string(y) +
+                             "), where the frame is; mend it, or leave the candidate out");
+    }
+  }
+
+  void take_image(const Image& image) {
+    ReplacedPixels filled;
+    if (std::any_of(given_.replaced().list().begin(), given_.replaced().list().end(),
+                    [](const ReplacedPixel& p) { return !p.is_source; })) {
+      filled.add(fill_layer(frame_, as_layer(candidate_, image)), frame_.height);
+    }
+    runner_.for_each(frame_.height, share_, [&](int y, int) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        float* F = out_.result(static_cast<int>(c), y);
+        image[c].read_row(y, 0, frame_.width, F);
+        filled.for_each(y, 0, frame_.width, [&](const ReplacedPixel& p, int i) { F[i] = p.colour[c]; });
+      }
+    });
+  }
+
+  // As FilterRuns::add_draw.
+  void add_draw(const Image& image, const Source& moved, float step) {
+    const float factor = 1.0F / (step * static_cast<float>(draws_of(candidate_)));
+    runner_.for_each(frame_.height, share_, [&](int y, int slot) {
+      std::vector<float> F_moved(static_cast<std::size_t>(frame_.width));
+      float* b = lines_[static_cast<std::size_t>(slot)].data();
+      for (int c = 0; c < 3; ++c) {
+        const auto channel = static_cast<std::size_t>(c);
+        moved.direction_row(channel, y, 0, frame_.width, b);
+        image[channel].read_row(y, 0, frame_.width, F_moved.data());
+        const float* F = out_.result(c, y);
+        float* D = out_.divergence(c, y);
+        for (int x = 0; x < frame_.width; ++x) {
+          // An unusable pixel does not move, and may hold anything.
+          if (b[x] != 0.0F) D[x] += factor * b[x] * (F_moved[static_cast<std::size_t>(x)] - F[x]);
+        }
+      }
+    });
+  }
+
+  const Source& given_;
+  const Frame& frame_;
+  const ExternalCandidate& candidate_;
+  exec::Runner& runner_;
+  double share_;
+  exec::RowRing rows_;
+  MixtureRows out_;
+  std::vector<std::vector<float>> lines_;  // per slot
+};
+
+}  // namespace
+
+int draws_of(const ExternalCandidate& candidate) noexcept {
+  if (const auto* denoiser = std::get_if<ExternalDenoiser>(&candidate.source)) return denoiser->draws;
+  return static_cast<int>(std::get<ExternalImages>(candidate.source).draws.size());
+}
+
+exec::RowRing external_picture(const Source& given, const ExternalCandidate& candidate, exec::Runner& runner,
+                               double progress_weight) {
+  return Pictures(given, candidate, runner, progress_weight).make();
+}
+
+void check(const ExternalCandidate& candidate) {
+  constexpr float kMostDraws = 16.0F;
+  if (candidate.name.empty()) throw Error(ErrorCode::kInvalidArgument, "an external candidate has no name; give one");
+  const std::string draws = "the number of perturbed runs of the candidate '" + candidate.name + "'";
+  require_in_range(draws, static_cast<float>(draws_of(candidate)), 1.0F, kMostDraws);
+  if (const auto* denoiser = std::get_if<ExternalDenoiser>(&candidate.source)) {
+    if (!denoiser->run) refuse(candidate, "it has no function to run");
+    check(Perturbation{denoiser->seed, 0, denoiser->step});
+  } else {
+    for (const ExternalDraw& draw : std::get<ExternalImages>(candidate.source).draws) check(draw.perturbation);
+  }
+}
+
+void check_candidates(const DenoiseParams& params) {
+  require_in_range("the number of filters and external candidates",
+                   static_cast<float>(params.filters.size() + params.candidates.size()), 1.0F, kMaxFilters);
+  std::set<std::string> names;
+  for (const ExternalCandidate& candidate : params.candidates) {
+    check(candidate);
+    if (names.insert(candidate.name).second) continue;
+    throw Error(ErrorCode::kInvalidArgument,
+                "two external candidates are called '" + candidate.name + "'; give each a name of its own");
+  }
+}
+
+void require_no_layers(const Frame& frame, const DenoiseParams& params) {
+  if (frame.layers.empty() || params.candidates.empty()) return;
+  throw Error(ErrorCode::kInvalidArgument, "the layer '" + frame.layers.front().name +
+                                               "' cannot be filtered as the colour is by the external candidate '" +
+                                               params.candidates.front().name +
+                                               "'; leave out the layers, or the candidate");
+}
+
+}  // namespace stein
