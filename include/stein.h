@@ -122,7 +122,8 @@ STEIN_API void stein_params_destroy(stein_params* params);
  *   quality         fast, default, best: takes the place of the filters and what was set of them
  *   risk            auto, sure, joint, monte-carlo
  *   selection       evidence, argmin
- *   density-rule    next-samples, all-samples, error-reduction */
+ *   density-rule    next-samples, all-samples, error-reduction
+ *   scratch         folder of scratch files, once max-memory is set; $TMPDIR, or /var/tmp, unless given */
 STEIN_API stein_status stein_params_set_text(stein_params* params, const char* name, const char* value);
 
 /* Numbers; whole ones where they count:
@@ -136,7 +137,9 @@ STEIN_API stein_status stein_params_set_text(stein_params* params, const char* n
  *   draws, seed              of the Monte Carlo risk: 1 to 16 runs; 0 to 2^53
  *   outliers, strict         0 or 1: scale fireflies down; fail on values that would be repaired
  *   threads                  most threads to use; 0: all
- *   tile-width, tile-height  of a unit of work, 16 and 1 to 4096; 0: default. Never change the result */
+ *   tile-width, tile-height  of a unit of work, 16 and 1 to 4096; 0: default. Never change the result
+ *   max-memory               bytes that the process may hold, 2^27 to 2^60; 0: no limit. What stein makes beyond that
+ *                            lies in scratch files; planes of the caller are left where they are */
 STEIN_API stein_status stein_params_set_number(stein_params* params, const char* name, double value);
 
 /* Another denoiser, whose image is mixed with those of the filters where it is the better one (docs/candidates.md).
@@ -177,7 +180,7 @@ STEIN_API stein_status stein_result_copy(const stein_result* result, const char*
                                          ptrdiff_t pixel_stride, ptrdiff_t row_stride);
 
 /* Numbers of the report: invalid_pixels, single_sample_pixels, outlier_pixels, outlier_energy, mean_error.R .G .B,
- * mean_relative_error, bad_layer_pixels (values of all layers that were filled from their neighbours). */
+ * mean_relative_error, scratch_bytes, bad_layer_pixels (values of all layers that were filled from their neighbours). */
 STEIN_API stein_status stein_result_number(const stein_result* result, const char* name, double* value);
 
 /* Texts of the report, by index from 0; past the last one *text becomes null. `name` is one of: warning (in words, for

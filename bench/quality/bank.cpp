@@ -33,7 +33,7 @@ Bank::Bank(const std::string& file, const DenoiseParams& params, Risk risk)
   geometry_ = {frame.width, frame.height, 128, 32, frame.height};
   runs_ =
       std::make_unique<FilterRuns>(*source_, *layers_, FilterPlan{params_.filters.front(), risk, params_.monte_carlo},
-                                   geometry_, frame.height, runner.slots());
+                                   geometry_, std::vector<int>(), std::vector<int>(), runner.slots());
   std::vector<exec::RowStage> stages;
   runs_->add_stages(
       {}, [](const Rect&, int) {}, stages);

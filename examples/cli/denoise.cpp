@@ -75,14 +75,15 @@ void report(const FrameTask& task, const std::vector<DenoiseSummary>& views) {
 }
 
 // The view that was asked for, or all that the file has.
-std::vector<exr::LoadedFrame> read_views(DenoiseOptions options, const ProgressPart& progress) {
+std::vector<exr::LoadedFrame> read_views(DenoiseOptions options, const std::shared_ptr<Memory>& memory,
+                                         const ProgressPart& progress) {
   std::vector<exr::LoadedFrame> views;
-  views.push_back(read_input(options, report_to(progress, 0, kReadDone)));
+  views.push_back(read_input(options, memory, report_to(progress, 0, kReadDone)));
   if (!options.mapping.view.empty()) return views;
   const std::vector<std::string> names = views.front().views();
   for (std::size_t v = 1; v < names.size(); ++v) {
     options.mapping.view = names[v];
-    views.push_back(read_input(options, report_to(progress, kReadDone, kReadDone)));
+    views.push_back(read_input(options, memory, report_to(progress, kReadDone, kReadDone)));
   }
   return views;
 }
@@ -97,10 +98,12 @@ void require_one_view(const std::vector<exr::LoadedFrame>& views, const LoadedCa
 void denoise_frame(const FrameTask& task, DenoiseParams params) {
   DenoiseOptions options = task.options;
   check_paths(options);
+  // Of each frame: what it needs is told with it.
+  if (params.execution.memory) params.execution.memory = std::make_shared<Memory>(params.execution.memory->limit());
   Seconds seconds;
   Stopwatch watch;
   task.progress.show(0);
-  const std::vector<exr::LoadedFrame> views = read_views(options, task.progress);
+  const std::vector<exr::LoadedFrame> views = read_views(options, params.execution.memory, task.progress);
   check_not_interrupted();
   const LoadedCandidates candidates = read_candidates(options.candidates, check_not_interrupted);
   require_one_view(views, candidates);
@@ -123,6 +126,7 @@ void denoise_frame(const FrameTask& task, DenoiseParams params) {
   for (std::size_t v = 0; v < views.size(); ++v) filtered.push_back({views[v], results[v]});
   exr::write_results(options.output, filtered, options.write);
   seconds.write = watch.lap();
+  if (params.execution.memory) warn_if_exceeded(*params.execution.memory, results.front().report);
   seconds.total = seconds.read + seconds.compute + seconds.write;
   task.progress.show(1);
 

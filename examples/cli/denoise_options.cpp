@@ -4,6 +4,7 @@
 #include <CLI/Option.hpp>
 #include <CLI/Validators.hpp>
 #include <array>
+#include <utility>
 
 #include "arguments.hpp"
 #include "parsing.hpp"
@@ -32,6 +33,15 @@ constexpr const char* kFooter =
     "--risk monte-carlo:\n"
     "  stein denoise samples.exr -o clean.exr --filter rpf";
 
+void declare_memory(CLI::App& verb, DenoiseOptions& options) {
+  CLI::Option* limit = verb.add_option(
+      "--max-memory", options.max_memory,
+      "Most memory to take, such as 2G or 512M; images that exceed it lie in scratch files. Never changes the result");
+  verb.add_option("--scratch", options.scratch,
+                  "Folder of the scratch files, on a disk; $TMPDIR, or /var/tmp, unless given")
+      ->needs(limit);
+}
+
 void declare_output(CLI::App& verb, DenoiseOptions& options) {
   verb.add_flag_callback(
       "--no-error", [&options] { options.write.error = false; }, "Do not write error.R/G/B");
@@ -59,6 +69,7 @@ void declare(CLI::App& verb, DenoiseOptions& options) {
   declare(verb, options.candidates);
   verb.add_option("--strength", options.strength, "1: the reconstruction, 0: the input, between: a mix")
       ->capture_default_str();
+  declare_memory(verb, options);
   declare_output(verb, options);
   verb.footer(kFooter);
 }
@@ -106,15 +117,21 @@ DenoiseParams denoise_params(const DenoiseOptions& options) {
     params.execution.tile_width = tile[0];
     params.execution.tile_height = tile[1];
   }
+  if (!options.max_memory.empty()) {
+    params.execution.memory =
+        std::make_shared<Memory>(MemoryLimit{parse_bytes("--max-memory", options.max_memory), options.scratch});
+  }
   check(params);
   return params;
 }
 
-exr::LoadedFrame read_input(const DenoiseOptions& options, const std::function<bool(double)>& progress) {
+exr::LoadedFrame read_input(const DenoiseOptions& options, std::shared_ptr<Memory> memory,
+                            const std::function<bool(double)>& progress) {
   const bool needs_covariances = options.risk != "sure";
   exr::ReadOptions read{.read_covariances = needs_covariances};
   read.layers = options.layers;
   read.straight_alpha = options.straight_alpha;
+  read.memory = std::move(memory);
   read.progress = progress;
   apply(options.samples, read);
   apply(options.mapping, read);

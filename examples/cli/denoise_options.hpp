@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,8 @@ struct DenoiseOptions {
   std::vector<std::string> layers;
   bool straight_alpha = false;
   std::string tile;
+  std::string max_memory;  // a number of bytes; empty: no limit
+  std::string scratch;
   int threads = 0;
   bool strict = false;
   bool outliers = true;
@@ -49,7 +52,8 @@ void declare_method(CLI::App& verb, DenoiseOptions& options);
 /// Without progress. @throws Error kInvalidArgument.
 [[nodiscard]] DenoiseParams denoise_params(const DenoiseOptions& options);
 
-/// Reads the input as the options want it; `progress`: as that of ReadOptions.
-[[nodiscard]] exr::LoadedFrame read_input(const DenoiseOptions& options, const std::function<bool(double)>& progress);
+/// Reads the input as the options want it; `memory`, `progress`: as those of ReadOptions.
+[[nodiscard]] exr::LoadedFrame read_input(const DenoiseOptions& options, std::shared_ptr<Memory> memory,
+                                          const std::function<bool(double)>& progress);
 
 }  // namespace stein::cli

@@ -116,6 +116,15 @@ nlohmann::ordered_json filters_json(const DenoiseReport& report) {
   return json;
 }
 
+void print_memory(const DenoiseReport& report) {
+  constexpr double kMiB = 1024.0 * 1024.0;
+  std::printf("%-9s %.0f MiB at most", "memory", static_cast<double>(peak_memory_bytes()) / kMiB);
+  if (report.scratch_bytes > 0) {
+    std::printf(", %.0f MiB in scratch files", static_cast<double>(report.scratch_bytes) / kMiB);
+  }
+  std::printf("\n");
+}
+
 void print_filters(const DenoiseReport& report) {
   for (const FilterShare& filter : report.filters) {
     std::printf("%-9s %5.1f %% %s, %s: %s\n", &filter == report.filters.data() ? "filter" : "", 100 * filter.weight,
@@ -124,6 +133,15 @@ void print_filters(const DenoiseReport& report) {
 }
 
 }  // namespace
+
+void warn_if_exceeded(const Memory& memory, DenoiseReport& report) {
+  const std::int64_t held = peak_memory_bytes();
+  if (held <= memory.limit().bytes) return;
+  report.warnings.push_back("the process held " + std::to_string(held) + " bytes, more than the " +
+                            std::to_string(memory.limit().bytes) +
+                            " of --max-memory: threads, rows of the file and windows need more; allow more, or take "
+                            "fewer threads");
+}
 
 void print_warnings(const std::string& path, const DenoiseReport& report) {
   for (const std::string& warning : report.warnings) {
@@ -155,6 +173,7 @@ void print_summary(const DenoiseSummary& summary) {
   const Seconds& seconds = summary.seconds;
   std::printf("%-9s %.2f s: read %.2f, compute %.2f, write %.2f\n", "time", seconds.total, seconds.read,
               seconds.compute, seconds.write);
+  print_memory(report);
   print_line("output", summary.output_path);
 }
 
@@ -174,6 +193,7 @@ nlohmann::ordered_json to_json(const DenoiseSummary& summary) {
                {"instruction_set", report.instruction_set},
                {"seconds", seconds_json(summary)},
                {"peak_memory_bytes", peak_memory_bytes()},
+               {"scratch_bytes", report.scratch_bytes},
                {"invalid_pixels", report.frame.invalid_pixels},
                {"outlier_pixels", report.outlier_pixels},
                {"outlier_energy", report.outlier_energy},

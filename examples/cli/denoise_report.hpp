@@ -30,6 +30,9 @@ struct DenoiseSummary {
   std::optional<int> frame;  ///< its number, of a sequence
 };
 
+/// Adds a warning where the process held more than `memory` allows.
+void warn_if_exceeded(const Memory& memory, DenoiseReport& report);
+
 /// On standard output.
 void print_summary(const DenoiseSummary& summary);
 

@@ -66,7 +66,7 @@ void perturb_frame(const FrameTask& task, const Perturbation& perturbation) {
       return !interrupted();
     };
   };
-  const exr::LoadedFrame input = read_input(options, report_to(0, kReadDone));
+  const exr::LoadedFrame input = read_input(options, {}, report_to(0, kReadDone));
   Execution execution;
   execution.threads = options.threads;
   execution.progress = report_to(kReadDone, kMoveDone);

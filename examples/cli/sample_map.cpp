@@ -87,7 +87,7 @@ void run_sample_map(SampleMapOptions& options) {
     progress->show(fraction);
     return !interrupted();
   };
-  const exr::LoadedFrame input = read_input(options.method, [](double) { return !interrupted(); });
+  const exr::LoadedFrame input = read_input(options.method, {}, [](double) { return !interrupted(); });
   const Frame& frame = input.frame();
   // So that bounds that leave no room for the budget are told before the work, not after it.
   static_cast<void>(allocate_samples(Plane(frame.width, frame.height).view(), options.allocation));

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <charconv>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -24,6 +25,9 @@ template <class Number>
 
 /// Splits at the first separator; false if there is none.
 [[nodiscard]] bool split(std::string_view text, char separator, std::string_view& before, std::string_view& after);
+
+/// Bytes, such as "512M" or "1.5G": K, M, G and T are powers of 1024. @throws Error kInvalidArgument naming the option.
+[[nodiscard]] std::int64_t parse_bytes(const std::string& option, const std::string& text);
 
 /// "64x32". @throws Error kInvalidArgument naming the option.
 [[nodiscard]] std::array<int, 2> parse_size(const std::string& option, const std::string& text);

@@ -66,7 +66,8 @@ struct ExternalImages {
   std::array<ConstPlaneView, 3> image;  ///< of the frame as it is
   std::vector<ExternalDraw> draws;      ///< [1..16]
   /// All channels of all of the frame's layers, in their order, filtered with the weights of `image`, so that they
-  /// still sum up to it; a frame with layers needs them. Of the frame as it is, and finite.
+  /// still sum up to it; a frame with layers needs them. Of the frame as it is, and finite, as `image` then has to
+  /// be.
   std::vector<ConstPlaneView> layers = {};
 };
 

@@ -101,7 +101,8 @@ struct DenoiseReport {
   double mean_relative_error = 0;       ///< the same of error / (result^2 + 0.01), over all channels
   std::vector<std::string> warnings;    ///< in words, for people
   std::vector<StageSeconds> stages;
-  std::string instruction_set;  ///< of the kernels, such as "AVX3"
+  std::string instruction_set;     ///< of the kernels, such as "AVX3"
+  std::int64_t scratch_bytes = 0;  ///< of scratch files that Execution::memory needed so far
 };
 
 /// A layer of the frame after the filter.
@@ -128,8 +129,8 @@ struct DenoiseResult {
 };
 
 /// Filters, estimates the risk of every candidate, selects, and derives the density. Deterministic: bit-identical for
-/// any thread count and tile size on one instruction set. Memory beyond the result: windows of rows, not images
-/// (and 4 bytes per pixel while invalid pixels are filled).
+/// any thread count, tile size and memory limit on one instruction set. Memory beyond the result: windows of rows, not
+/// images (but 4 bytes per pixel while invalid pixels are filled, and of several filters 28 bytes each).
 /// @throws Error kInvalidFrame, kInvalidArgument, kCancelled.
 [[nodiscard]] DenoiseResult denoise(const Frame& frame, const DenoiseParams& params = {});
 

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <functional>
+#include <memory>
+
+#include "stein/memory.hpp"
 
 #pragma GCC visibility push(default)
 namespace stein {
@@ -13,6 +16,8 @@ struct Execution {
   int threads = 0;
   int tile_width = 0;   ///< [0, 16..4096] px; 0: default
   int tile_height = 0;  ///< [0, 1..4096] px; 0: default
+  /// Where images and windows of rows lie: see memory.hpp. Null: on the heap, whatever it takes.
+  std::shared_ptr<Memory> memory;
   /// Called with the fraction done in [0, 1], never decreasing, one call at a time, from any working thread.
   /// Return false to cancel: the call in progress ends within about one tile and throws Error kCancelled.
   std::function<bool(double)> progress;

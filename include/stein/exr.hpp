@@ -16,6 +16,7 @@
 #include "stein/candidate.hpp"
 #include "stein/denoise.hpp"
 #include "stein/frame.hpp"
+#include "stein/memory.hpp"
 #include "stein/plane.hpp"
 
 #pragma GCC visibility push(default)
@@ -59,6 +60,8 @@ struct ReadOptions {
   /// Of a file of several views (multiView, or parts with a view), such as "right"; empty: the default view. A view
   /// sees its own channels only, and parts without a view.
   std::string view = {};
+  /// Where the planes lie: see memory.hpp. Null: on the heap. The results of this frame are written with it, too.
+  std::shared_ptr<Memory> memory = nullptr;
   /// Called with the fraction read in [0, 1], in the calling thread, for each chunk of the file. Return false to
   /// cancel: Error kCancelled.
   std::function<bool(double)> progress = {};

@@ -15,6 +15,8 @@
 #pragma GCC visibility push(default)
 namespace stein {
 
+class Memory;
+
 enum class ScalarType : std::uint8_t { kFloat32, kFloat16, kUint32 };
 
 /// Size of one element in bytes.
@@ -92,9 +94,10 @@ class PlaneView {
 class Plane {
  public:
   Plane() = default;
-  Plane(int width, int height);
+  /// With `memory`, from there (memory.hpp).
+  Plane(int width, int height, Memory* memory = nullptr);
   /// Three planes of one block of memory, at equal distances: as a whole they are a strided array of three channels.
-  [[nodiscard]] static std::array<Plane, 3> triple(int width, int height);
+  [[nodiscard]] static std::array<Plane, 3> triple(int width, int height, Memory* memory = nullptr);
 
   [[nodiscard]] explicit operator bool() const noexcept { return data_ != nullptr; }
   [[nodiscard]] int width() const noexcept { return width_; }

@@ -49,6 +49,7 @@ double number_of(const stein_result* result, const char* name) {
                           {"single_sample_pixels", static_cast<double>(report.frame.single_sample_pixels)},
                           {"outlier_pixels", static_cast<double>(report.outlier_pixels)},
                           {"outlier_energy", report.outlier_energy},
+                          {"scratch_bytes", static_cast<double>(report.scratch_bytes)},
                           {"mean_error.R", report.mean_error[0]},
                           {"mean_error.G", report.mean_error[1]},
                           {"mean_error.B", report.mean_error[2]},

@@ -4,7 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <memory>
 #include <new>
+
+#include "stein/memory.hpp"
 
 namespace stein {
 
@@ -22,5 +25,16 @@ struct AlignedZeros {
   void* raw = nullptr;
   float* data = nullptr;
 };
+
+/// The same from `memory`, or from the heap where there is none; given back with the last copy.
+[[nodiscard]] inline std::shared_ptr<float> shared_zeros(std::size_t count, Memory* memory,
+                                                         Memory::Use use = Memory::Use::kImage) {
+  if (memory != nullptr) {
+    const std::shared_ptr<void> block = memory->allocate(count * sizeof(float), use);
+    return {block, static_cast<float*>(block.get())};
+  }
+  const AlignedZeros zeros(count);
+  return {std::shared_ptr<void>(zeros.raw, std::free), zeros.data};
+}
 
 }  // namespace stein

@@ -2,7 +2,6 @@
 #include "stein/plane.hpp"
 
 #include <bit>
-#include <cstdlib>
 #include <cstring>
 #include <memory>
 
@@ -76,20 +75,19 @@ void PlaneView::write_row(int y, int x, int count, const float* values) const no
   for (int i = 0; i < count; ++i) std::memcpy(p + i * view_.pixel_stride(), &values[i], sizeof(float));
 }
 
-Plane::Plane(int width, int height) : pitch_(pitch_of(width)), width_(width), height_(height) {
-  const AlignedZeros zeros(static_cast<std::size_t>(pitch_) * static_cast<std::size_t>(height));
-  data_ = {zeros.data, Free{{zeros.raw, std::free}}};
+Plane::Plane(int width, int height, Memory* memory) : pitch_(pitch_of(width)), width_(width), height_(height) {
+  const auto block = shared_zeros(static_cast<std::size_t>(pitch_) * static_cast<std::size_t>(height), memory);
+  data_ = {block.get(), Free{block}};
 }
 
-std::array<Plane, 3> Plane::triple(int width, int height) {
+std::array<Plane, 3> Plane::triple(int width, int height, Memory* memory) {
   const std::ptrdiff_t pitch = pitch_of(width);
   const std::ptrdiff_t distance = odd_lines(pitch * height);
-  const AlignedZeros zeros(3 * static_cast<std::size_t>(distance));
-  const std::shared_ptr<void> block(zeros.raw, std::free);
+  const auto block = shared_zeros(3 * static_cast<std::size_t>(distance), memory);
   std::array<Plane, 3> planes;
   for (std::size_t c = 0; c < planes.size(); ++c) {
     Plane& plane = planes.at(c);
-    plane.data_ = {zeros.data + static_cast<std::ptrdiff_t>(c) * distance, Free{block}};
+    plane.data_ = {block.get() + static_cast<std::ptrdiff_t>(c) * distance, Free{block}};
     plane.pitch_ = pitch;
     plane.width_ = width;
     plane.height_ = height;

@@ -20,10 +20,10 @@ std::ptrdiff_t staggered(std::ptrdiff_t floats) { return round_up(floats - kStag
 
 }  // namespace
 
-float* FloatBuffer::reserve(std::size_t count) {
+float* FloatBuffer::reserve(std::size_t count, Memory* memory, Memory::Use use) {
   if (count > size_) {
-    const AlignedZeros zeros(count);
-    data_ = std::unique_ptr<float, Free>(zeros.data, Free(zeros.raw));
+    const std::shared_ptr<float> block = shared_zeros(count, memory, use);
+    data_ = {block.get(), Free{block}};
     size_ = count;
   }
   return data_.get();
@@ -43,10 +43,10 @@ void TilePlanes::reserve(const TileLayout& layout, int planes) {
   buffer_.reserve(static_cast<std::size_t>(layout.plane_stride * planes + kLine));
 }
 
-RowRing::RowRing(int planes, int width, int capacity) : capacity_(capacity) {
+RowRing::RowRing(int planes, int width, int capacity, Memory* memory, Memory::Use use) : capacity_(capacity) {
   pitch_ = ((round_up(width, kLine) + 2 * kPadding) / kLine | 1) * kLine;
   plane_stride_ = staggered(pitch_ * capacity);
-  buffer_.reserve(static_cast<std::size_t>(plane_stride_ * planes + kPadding));
+  buffer_.reserve(static_cast<std::size_t>(plane_stride_ * planes + kPadding), memory, use);
 }
 
 }  // namespace stein::exec

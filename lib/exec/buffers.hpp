@@ -4,25 +4,24 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdlib>
 #include <memory>
+
+#include "stein/memory.hpp"
 
 namespace stein::exec {
 
 /// 64-byte aligned floats, zero-initialised, never shrinking.
 class FloatBuffer {
  public:
-  /// At least `count` floats; the contents are kept only if the size suffices already.
-  float* reserve(std::size_t count);
+  /// At least `count` floats; the contents are kept only if the size suffices already. `memory`: where from.
+  float* reserve(std::size_t count, Memory* memory = nullptr, Memory::Use use = Memory::Use::kWindow);
   [[nodiscard]] float* data() const noexcept { return data_.get(); }
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
 
  private:
   struct Free {
-    void* block;  // what was allocated; the data start at its first aligned address
-    Free() noexcept : block(nullptr) {}
-    explicit Free(void* allocated) noexcept : block(allocated) {}
-    void operator()(float* /*p*/) const noexcept { std::free(block); }
+    std::shared_ptr<float> block;
+    void operator()(float* /*p*/) noexcept { block.reset(); }
   };
   std::unique_ptr<float, Free> data_;
   std::size_t size_ = 0;
@@ -62,7 +61,8 @@ class TilePlanes {
 class RowRing {
  public:
   RowRing() = default;
-  RowRing(int planes, int width, int capacity);
+  /// With `memory`, from there: as windows, or as images where the capacity is an image's height.
+  RowRing(int planes, int width, int capacity, Memory* memory = nullptr, Memory::Use use = Memory::Use::kWindow);
   /// Readable floats left of pixel 0, and right of the last one; zero unless written.
   static constexpr int kPadding = 32;
   /// Pixel (0, y). Up to 15 floats past the last pixel may be written.

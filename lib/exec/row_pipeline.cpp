@@ -25,14 +25,21 @@ void run_rows(const RowPipelineGeometry& g, const RowStage& stage, int y0, int y
 
 }  // namespace
 
-int band_height(const RowPipelineGeometry& geometry, int threads) {
-  constexpr int kTilesPerThread = 32;
-  const int rows_of_tiles = (kTilesPerThread * threads + tiles_across(geometry) - 1) / tiles_across(geometry);
+int band_height(const RowPipelineGeometry& geometry, int threads, bool is_limited) {
+  const int tiles_per_thread = is_limited ? 4 : 32;
+  const int rows_of_tiles = (tiles_per_thread * threads + tiles_across(geometry) - 1) / tiles_across(geometry);
   return std::min(rows_of_tiles * geometry.tile_height, geometry.height);
 }
 
 int ring_capacity(const RowPipelineGeometry& geometry, const std::vector<int>& halos) {
-  return std::min(geometry.band_height + 2 * std::accumulate(halos.begin(), halos.end(), 0), geometry.height);
+  // Below a stage's band lie the rows that it and those before it are ahead, above it those that it still reads.
+  const int ahead = std::accumulate(halos.begin(), halos.end(), 0);
+  const int widest = halos.empty() ? 0 : *std::max_element(halos.begin(), halos.end());
+  return std::min(geometry.band_height + ahead + widest, geometry.height);
+}
+
+int window_between(const RowPipelineGeometry& geometry, const std::vector<int>& halos) {
+  return ring_capacity(geometry, {*std::max_element(halos.begin(), halos.end())});
 }
 
 std::vector<double> run_row_pipeline(const RowPipelineGeometry& geometry, const std::vector<RowStage>& stages,
@@ -41,10 +48,12 @@ std::vector<double> run_row_pipeline(const RowPipelineGeometry& geometry, const 
   for (const RowStage& stage : stages) total_weight += stage.weight;
   std::vector<double> seconds(stages.size(), 0.0);
   std::vector<int> done(stages.size(), 0);
-  while (done.back() < geometry.height) {
-    int ready = std::min(done.front() + geometry.band_height, geometry.height);
+  // The front goes on beyond the image, so that no stage ever takes on more than a band.
+  for (int front = geometry.band_height; done.back() < geometry.height; front += geometry.band_height) {
+    int behind = 0;
     for (std::size_t s = 0; s < stages.size(); ++s) {
-      if (s > 0 && ready < geometry.height) ready = std::max(ready - stages[s].halo, done[s]);
+      if (s > 0) behind += stages[s].halo;
+      const int ready = std::clamp(front - behind, 0, geometry.height);
       const auto start = std::chrono::steady_clock::now();
       const double weight = progress_weight * stages[s].weight / total_weight * (ready - done[s]) / geometry.height;
       if (ready > done[s]) run_rows(geometry, stages[s], done[s], ready, weight, runner);

@@ -27,11 +27,16 @@ struct RowPipelineGeometry {
   int band_height = 0;
 };
 
-/// Default band: enough tiles to keep all threads busy, few enough rows to stay near the caches.
-[[nodiscard]] int band_height(const RowPipelineGeometry& geometry, int threads);
+/// Default band: enough tiles to keep all threads busy, few enough rows to stay near the caches. `is_limited`: as few
+/// as will do, where memory is short.
+[[nodiscard]] int band_height(const RowPipelineGeometry& geometry, int threads, bool is_limited = false);
 
-/// Rows of a ring that every stage can read what it needs of any earlier one from.
+/// Rows of a ring that a stage fills and that is read up to a later one: `halos` are those of the stages between, and
+/// of the last reader. Of all stages: a ring that every stage can read what it needs of any earlier one from.
 [[nodiscard]] int ring_capacity(const RowPipelineGeometry& geometry, const std::vector<int>& halos);
+
+/// Rows of rings that one stage fills and the next one reads, whichever of them: the same for all.
+[[nodiscard]] int window_between(const RowPipelineGeometry& geometry, const std::vector<int>& halos);
 
 /// Runs every stage over the whole image; stage s reaches row y only when its predecessors have passed y + halo.
 /// Adds `progress_weight` to the progress in all. Returns the seconds of each stage.

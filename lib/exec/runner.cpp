@@ -69,6 +69,7 @@ struct Runner::State {
   std::optional<tbb::global_control> more_workers;  // oneTBB makes no more than there are cores unless told so
   std::optional<tbb::task_arena> own_arena;
   std::function<bool(double)> progress;
+  std::shared_ptr<Memory> memory;
   std::mutex progress_mutex;
   double done = 0;  // guarded by progress_mutex
   std::atomic<bool> cancelled{false};
@@ -91,6 +92,7 @@ Runner::Runner(const Execution& execution) : state_(std::make_unique<State>()) {
     state_->own_arena.emplace(threads);
   }
   state_->progress = execution.progress;
+  state_->memory = execution.memory;
 }
 
 Runner::~Runner() = default;
@@ -114,6 +116,7 @@ void Runner::for_each(int count, double weight, const std::function<void(int, in
     });
     if (!state.cancelled) {
       body(item, slot);
+      if (state.memory) state.memory->trim();
       state.advance(step);
     }
   };

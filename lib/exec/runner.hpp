@@ -22,6 +22,7 @@ class Runner {
 
   /// Calls body(item, slot) once for each item in [0, count), in any order; no two calls at a time share a slot.
   /// Each finished item adds `weight / count` to the progress. @throws Error kCancelled; what the body throws.
+  /// Memory under a limit is trimmed after each item.
   void for_each(int count, double weight, const std::function<void(int item, int slot)>& body);
 
  private:

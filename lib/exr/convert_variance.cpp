@@ -132,42 +132,44 @@ class ColourConversion {
 }  // namespace
 
 void convert_colour_variance(Frame& frame, const Schema& schema, VarianceOf variance_of, const ColourSpace& space,
-                             std::vector<Plane>& memory) {
+                             Memory* memory, std::vector<Plane>& planes_made) {
   if (!frame.colour_variance[0]) return;
   if (!needs_samples(variance_of) && schema.variance_space == VarianceSpace::kRgb && !schema.zero_variance_is_unknown) {
     return;
   }
   std::array<Plane, 3> planes;
-  for (Plane& plane : planes) plane = Plane(frame.width, frame.height);
+  for (Plane& plane : planes) plane = Plane(frame.width, frame.height, memory);
   ColourConversion conversion(frame, schema, variance_of, space);
   for (int y = 0; y < frame.height; ++y) {
     const Rows& row = conversion.row(y);
+    if (memory != nullptr) memory->trim();
     for (std::size_t c = 0; c < 3; ++c) std::copy(row[c].begin(), row[c].end(), planes[c].row(y));
   }
   for (std::size_t c = 0; c < 3; ++c) {
-    memory.push_back(std::move(planes[c]));
-    frame.colour_variance[c] = memory.back().view();
+    planes_made.push_back(std::move(planes[c]));
+    frame.colour_variance[c] = planes_made.back().view();
   }
 }
 
-void convert_feature_variance(const Frame& frame, Feature& feature, VarianceOf variance_of,
-                              std::vector<Plane>& memory) {
+void convert_feature_variance(const Frame& frame, Feature& feature, VarianceOf variance_of, Memory* memory,
+                              std::vector<Plane>& planes_made) {
   if (!needs_samples(variance_of)) return;
   const auto width = static_cast<std::size_t>(frame.width);
   std::vector<float> mean(width);
   std::vector<float> variance(width);
   std::vector<float> counts(width, frame.uniform_sample_count);
   for (std::size_t k = 0; k < feature.variance.size(); ++k) {
-    Plane plane(frame.width, frame.height);
+    Plane plane(frame.width, frame.height, memory);
     for (int y = 0; y < frame.height; ++y) {
+      if (memory != nullptr) memory->trim();
       feature.mean[k].read_row(y, 0, frame.width, mean.data());
       feature.variance[k].read_row(y, 0, frame.width, variance.data());
       if (frame.sample_count) frame.sample_count.read_row(y, 0, frame.width, counts.data());
       to_mean(variance_of, mean, counts, variance);
       std::copy(variance.begin(), variance.end(), plane.row(y));
     }
-    memory.push_back(std::move(plane));
-    feature.variance[k] = memory.back().view();
+    planes_made.push_back(std::move(plane));
+    feature.variance[k] = planes_made.back().view();
   }
 }
 

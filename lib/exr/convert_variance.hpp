@@ -16,10 +16,12 @@ namespace stein::exr {
   return variance_of == VarianceOf::kSample || variance_of == VarianceOf::kSecondMoment;
 }
 
-/// Replaces the colour's variances where they are not of the mean of R, G, B. The new planes go to `memory`.
+/// Replaces the colour's variances where they are not of the mean of R, G, B. The new planes, from `memory` where
+/// there is one, go to `planes_made`.
 void convert_colour_variance(Frame& frame, const Schema& schema, VarianceOf variance_of, const ColourSpace& space,
-                             std::vector<Plane>& memory);
+                             Memory* memory, std::vector<Plane>& planes_made);
 
-void convert_feature_variance(const Frame& frame, Feature& feature, VarianceOf variance_of, std::vector<Plane>& memory);
+void convert_feature_variance(const Frame& frame, Feature& feature, VarianceOf variance_of, Memory* memory,
+                              std::vector<Plane>& planes_made);
 
 }  // namespace stein::exr

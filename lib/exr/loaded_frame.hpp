@@ -14,28 +14,29 @@
 
 namespace stein::exr {
 
-/// Memory for planes, aligned to cache lines and not initialised: pages that are never read into cost nothing.
+/// Memory for planes, aligned to cache lines: pages that are never read into cost nothing.
 class PlaneMemory {
  public:
   static constexpr std::size_t kAlignment = 64;
 
   PlaneMemory() = default;
-  explicit PlaneMemory(std::size_t bytes)
-      : data_(static_cast<std::byte*>(::operator new (bytes, std::align_val_t{kAlignment}))) {}
+  explicit PlaneMemory(std::size_t bytes) : block_(::operator new (bytes, std::align_val_t{kAlignment}), Free{}) {}
+  PlaneMemory(std::size_t bytes, Memory& memory) : block_(memory.allocate(bytes)) {}
 
-  [[nodiscard]] std::byte* data() const noexcept { return data_.get(); }
+  [[nodiscard]] std::byte* data() const noexcept { return static_cast<std::byte*>(block_.get()); }
 
  private:
   struct Free {
-    void operator()(std::byte* data) const noexcept { ::operator delete (data, std::align_val_t{kAlignment}); }
+    void operator()(void* data) const noexcept { ::operator delete (data, std::align_val_t{kAlignment}); }
   };
-  std::unique_ptr<std::byte, Free> data_;
+  std::shared_ptr<void> block_;
 };
 
 struct LoadedFrame::Data {
   std::string path;
   Mapping mapping;
-  PlaneMemory memory;
+  std::shared_ptr<Memory> memory;  // what ReadOptions had
+  PlaneMemory planes;
   std::vector<Plane> converted;  // planes that the file holds in another form
   Frame frame;
   std::vector<ChannelInfo> channels;
@@ -46,7 +47,7 @@ struct LoadedFrame::Data {
   std::vector<std::string> assumptions;
   std::vector<std::string> views;
   std::string view;
-  std::string straight_alpha;                  // layer with the alpha that the file's colour is divided by; empty: none
+  std::string straight_alpha;                 // layer with the alpha that the file's colour is divided by; empty: none
   std::array<ConstPlaneView, 3> file_colour;  // as it is in the file
 };
 

@@ -79,12 +79,13 @@ class RowWriter {
     }
   }
 
-  void write() {
+  void write(const Memory* memory) {
     const int top = plan_.header.dataWindow().min.y;
     const int height = height_of(plan_.header);
     for (int row = 0; row < height; row += block_rows_) {
       const int rows = std::min(block_rows_, height - row);
       write_block(row, rows, top + row);
+      if (memory != nullptr) memory->trim();
     }
   }
 
@@ -165,8 +166,8 @@ void copy_part(SourceFile& source, const PartPlan& plan, Imf::MultiPartOutputFil
 }
 
 void write_part(SourceFile* source, const PartPlan& plan, const std::vector<MemoryChannel>& channels,
-                Imf::MultiPartOutputFile& output, int output_part) {
-  RowWriter(source, plan, channels, output, output_part).write();
+                Imf::MultiPartOutputFile& output, int output_part, const Memory* memory) {
+  RowWriter(source, plan, channels, output, output_part).write(memory);
 }
 
 }  // namespace stein::exr

@@ -25,8 +25,8 @@ struct MemoryChannel {
 void copy_part(SourceFile& source, const PartPlan& plan, Imf::MultiPartOutputFile& output, int output_part);
 
 /// Writes the rows of a part, holding a block of rows of the channels from the source at a time.
-/// `source` may be null if nothing is carried.
+/// `source` may be null if nothing is carried. `memory` is trimmed between blocks.
 void write_part(SourceFile* source, const PartPlan& plan, const std::vector<MemoryChannel>& channels,
-                Imf::MultiPartOutputFile& output, int output_part);
+                Imf::MultiPartOutputFile& output, int output_part, const Memory* memory = nullptr);
 
 }  // namespace stein::exr

@@ -32,6 +32,7 @@ class FrameReader {
     require_colour();
     const Imf::Header& main = file_.header(layout_.main_part);
     data_.path = file_.path();
+    data_.memory = options_.memory;
     data_.mapping = mapping_;
     data_.views = list_views(file_);
     data_.view = mapping_.view.empty() && !data_.views.empty() ? data_.views.front() : mapping_.view;
@@ -50,7 +51,7 @@ class FrameReader {
     fill_frame();
     convert_variances();
     data_.file_colour = data_.frame.colour;
-    if (options_.straight_alpha) premultiply(view(layout_.alpha), data_.frame, data_.converted);
+    if (options_.straight_alpha) premultiply(view(layout_.alpha), data_.frame, options_.memory.get(), data_.converted);
     list_channels();
   }
 
@@ -242,11 +243,11 @@ class FrameReader {
       bytes += pixels * static_cast<std::size_t>(byte_size(scalar_type(channel(index).type))) + kStagger;
       bytes = (bytes + PlaneMemory::kAlignment - 1) / PlaneMemory::kAlignment * PlaneMemory::kAlignment;
     }
-    data_.memory = PlaneMemory(bytes);
+    data_.planes = options_.memory ? PlaneMemory(bytes, *options_.memory) : PlaneMemory(bytes);
     std::vector<Imf::FrameBuffer> targets(static_cast<std::size_t>(file_.parts()));
     for (std::size_t i = 0; i < planes_.size(); ++i) {
       const SourceChannel& from = channel(planes_[i]);
-      const std::byte* to = data_.memory.data() + offsets[i];
+      const std::byte* to = data_.planes.data() + offsets[i];
       const Imf::Header& header = file_.header(from.part);
       targets[static_cast<std::size_t>(from.part)].insert(
           from.name, packed_slice(header, from.type, to, header.dataWindow().min.y, data_.frame.height));
@@ -256,7 +257,25 @@ class FrameReader {
     for (int part = 0; part < file_.parts(); ++part) {
       const Imf::FrameBuffer& target = targets[static_cast<std::size_t>(part)];
       if (target.begin() == target.end()) continue;
-      PartReader(file_, part).read(target, data_.data_window[1], data_.data_window[3]);
+      read_part(part, target);
+    }
+  }
+
+  /// A few rows at a time where memory is limited, at once where it is not.
+  void read_part(int part, const Imf::FrameBuffer& target) {
+    PartReader reader(file_, part);
+    const int last = data_.data_window[3];
+    int rows = data_.frame.height;
+    if (options_.memory && options_.memory->limit().bytes > 0) {
+      constexpr std::int64_t kShare = 16;
+      const auto block_bytes =
+          static_cast<std::int64_t>(planes_.size() * sizeof(float)) * data_.frame.width * reader.block_rows();
+      const std::int64_t blocks = options_.memory->limit().bytes / kShare / block_bytes;
+      rows = static_cast<int>(std::clamp<std::int64_t>(blocks * reader.block_rows(), reader.block_rows(), rows));
+    }
+    for (int y = data_.data_window[1]; y <= last; y += rows) {
+      reader.read(target, y, std::min(y + rows - 1, last));
+      if (options_.memory) options_.memory->trim();
     }
   }
 
@@ -290,9 +309,11 @@ class FrameReader {
 
   void convert_variances() {
     Frame& frame = data_.frame;
-    convert_colour_variance(frame, *mapping_.schema, layout_.variance_of, data_.colour_space, data_.converted);
+    convert_colour_variance(frame, *mapping_.schema, layout_.variance_of, data_.colour_space, options_.memory.get(),
+                            data_.converted);
     for (std::size_t i = 0; i < frame.features.size(); ++i) {
-      convert_feature_variance(frame, frame.features[i], layout_.features[i].variance_of, data_.converted);
+      convert_feature_variance(frame, frame.features[i], layout_.features[i].variance_of, options_.memory.get(),
+                               data_.converted);
     }
     const auto& assumed = mapping_.schema->assumptions;
     data_.assumptions.insert(data_.assumptions.end(), assumed.begin(), assumed.end());

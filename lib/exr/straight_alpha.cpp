@@ -8,12 +8,13 @@
 namespace stein::exr {
 namespace {
 
-ConstPlaneView multiplied(const ConstPlaneView& plane, const ConstPlaneView& alpha, int power,
-                          std::vector<Plane>& memory) {
+ConstPlaneView multiplied(const ConstPlaneView& plane, const ConstPlaneView& alpha, int power, Memory* memory,
+                          std::vector<Plane>& planes_made) {
   if (!plane) return plane;
-  Plane& out = memory.emplace_back(plane.width(), plane.height());
+  Plane& out = planes_made.emplace_back(plane.width(), plane.height(), memory);
   std::vector<float> factors(static_cast<std::size_t>(plane.width()));
   for (int y = 0; y < plane.height(); ++y) {
+    if (memory != nullptr) memory->trim();
     alpha.read_row(y, 0, plane.width(), factors.data());
     plane.read_row(y, 0, plane.width(), out.row(y));
     for (int x = 0; x < plane.width(); ++x)
@@ -24,9 +25,9 @@ ConstPlaneView multiplied(const ConstPlaneView& plane, const ConstPlaneView& alp
 
 }  // namespace
 
-void premultiply(const ConstPlaneView& alpha, Frame& frame, std::vector<Plane>& memory) {
+void premultiply(const ConstPlaneView& alpha, Frame& frame, Memory* memory, std::vector<Plane>& planes_made) {
   const auto multiply = [&](auto& planes, int power) {
-    for (ConstPlaneView& plane : planes) plane = multiplied(plane, alpha, power, memory);
+    for (ConstPlaneView& plane : planes) plane = multiplied(plane, alpha, power, memory, planes_made);
   };
   multiply(frame.colour, 1);
   multiply(frame.colour_variance, 2);
@@ -37,7 +38,7 @@ void premultiply(const ConstPlaneView& alpha, Frame& frame, std::vector<Plane>& 
   }
 }
 
-Straight::Straight(const DenoiseResult& result, const std::string& alpha) {
+Straight::Straight(const DenoiseResult& result, const std::string& alpha, Memory* memory) : memory_(memory) {
   for (const FilteredLayer& layer : result.layers) {
     if (!alpha.empty() && layer.name == alpha) alpha_ = &layer.mean.front();
   }
@@ -45,8 +46,9 @@ Straight::Straight(const DenoiseResult& result, const std::string& alpha) {
 
 ConstPlaneView Straight::divided(const Plane& plane, int power) {
   if (alpha_ == nullptr) return plane.view();
-  Plane& out = memory_.emplace_back(plane.width(), plane.height());
+  Plane& out = planes_made_.emplace_back(plane.width(), plane.height(), memory_);
   for (int y = 0; y < plane.height(); ++y) {
+    if (memory_ != nullptr) memory_->trim();
     for (int x = 0; x < plane.width(); ++x) {
       const float alpha = alpha_->row(y)[x];
       const float divisor = power == 2 ? alpha * alpha : alpha;

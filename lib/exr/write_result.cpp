@@ -128,7 +128,7 @@ std::vector<MemoryChannel> channels_of(int part, const std::vector<MemoryChannel
 }
 
 void write_parts(SourceFile& file, const std::vector<PartPlan>& plan, const std::vector<MemoryChannel>& channels,
-                 Imf::OStream& stream) {
+                 const Memory* memory, Imf::OStream& stream) {
   std::vector<Imf::Header> headers;
   headers.reserve(plan.size());
   for (const PartPlan& part : plan) headers.push_back(part.header);
@@ -138,7 +138,7 @@ void write_parts(SourceFile& file, const std::vector<PartPlan>& plan, const std:
     if (plan[i].copied) {
       copy_part(file, plan[i], output, at);
     } else {
-      write_part(&file, plan[i], channels_of(plan[i].source_part, channels), output, at);
+      write_part(&file, plan[i], channels_of(plan[i].source_part, channels), output, at, memory);
     }
   }
 }
@@ -203,10 +203,10 @@ std::vector<MemoryChannel> moved_channels(const Frame& moved, const Frame& frame
 }
 
 void write_whole(const std::string& path, SourceFile& file, const std::vector<PartPlan>& plan,
-                 const std::vector<MemoryChannel>& channels) {
+                 const std::vector<MemoryChannel>& channels, const Memory* memory) {
   ReplacingFile target(path);
   target.before_each_write([&file] { file.check_not_cancelled(); });
-  write_parts(file, plan, channels, target.stream());
+  write_parts(file, plan, channels, memory, target.stream());
   target.commit();
 }
 
@@ -226,7 +226,7 @@ void write_frame(const std::string& path, const Frame& frame, const LoadedFrame&
     for (PartPlan& part : plan) {
       if (part.source_part == layout.main_part) insert_counts(frame, part.header);
     }
-    write_whole(path, file, plan, channels);
+    write_whole(path, file, plan, channels, source.data_->memory.get());
   });
 }
 
@@ -247,7 +247,7 @@ void write_perturbed(const std::string& path, const Frame& moved, const LoadedFr
     for (PartPlan& part : plan) {
       if (part.source_part == layout.main_part) insert_perturbation(perturbation, part.header);
     }
-    write_whole(path, file, plan, channels);
+    write_whole(path, file, plan, channels, source.data_->memory.get());
   });
 }
 
@@ -271,7 +271,7 @@ void write_results(const std::string& path, const std::vector<ViewResult>& views
       const Layout layout = reopened_layout(file, view.source, view.source.data_->mapping);
       const LoadedFrame::Data& data = *view.source.data_;
       check_layers(path, view, data.straight_alpha);
-      Straight& straight = straights.emplace_back(view.result, data.straight_alpha);
+      Straight& straight = straights.emplace_back(view.result, data.straight_alpha, data.memory.get());
       std::vector<MemoryChannel> channels =
           channels_of_view(path, view, options, file, layout, data.file_colour, straight);
       plan_new(channels, layout, rules);
@@ -280,7 +280,7 @@ void write_results(const std::string& path, const std::vector<ViewResult>& views
         if (layout.roles[i] != Role::kNone) roles[i] = layout.roles[i];
       }
     }
-    write_whole(path, file, plan_output(file, roles, rules), all);
+    write_whole(path, file, plan_output(file, roles, rules), all, views.front().source.data_->memory.get());
   });
 }
 

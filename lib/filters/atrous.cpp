@@ -48,7 +48,7 @@ class Atrous final : public PreparedFilter {
         layout_(context.tile_width, context.tile_height, kSmoothingHalo) {
     for (int i = 0; i < levels_; ++i) {
       const int layers = layers_ != nullptr ? layers_->channels() : 0;
-      rings_.emplace_back(kFirstLayerPlane + layers, source_.frame().width, context.window_rows);
+      rings_.emplace_back(kFirstLayerPlane + layers, source_.frame().width, context.window_rows, source_.memory());
       correlations_.push_back(static_cast<float>(tap_correlation(i)));
     }
   }

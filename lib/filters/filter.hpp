@@ -93,7 +93,7 @@ struct FilterContext {
   const GuideRows& guides;
   int tile_width = 0;
   int tile_height = 0;
-  int window_rows = 0;  ///< rows that a filter of several passes has to keep of each
+  int window_rows = 0;  ///< rows to keep of what a pass leaves for the next one
   Divergence divergence = Divergence::kPlain;
   const LayerSource* layers = nullptr;  ///< null: none will be wanted
 };

@@ -18,7 +18,7 @@ GuideRows::GuideRows(const Source& source, const FeatureGuides& guides, float ra
   }
   feature_groups_ = groups_.size();
   if (range_sigma > 0) add(-1, 3, range_sigma);
-  ring_ = exec::RowRing(planes(), source.frame().width, rows);
+  ring_ = exec::RowRing(planes(), source.frame().width, rows, source.memory());
 }
 
 void GuideRows::add(int feature, int channels, float sigma) {

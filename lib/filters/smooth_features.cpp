@@ -36,7 +36,7 @@ SmoothFeatures::SmoothFeatures(const Source& source, const FeatureGuides& guides
   rows_.candidates = 1;
   rows_.exponent[0] = kExponent;
   rows_.slope[0] = kSlope;
-  ring_ = exec::RowRing(2 * channels(), source.frame().width, rows);
+  ring_ = exec::RowRing(2 * channels(), source.frame().width, rows, source.memory());
 }
 
 // How many channels of a feature to smooth at a time.

@@ -30,14 +30,13 @@ std::vector<int> choice_halos(Selection selection) {
 }
 
 ChoiceStages::ChoiceStages(const Source& source, Selection selection, FilterRuns& runs, const Survey* prior,
-                           Surveyor& surveyor, const exec::RowPipelineGeometry& geometry, int ring_rows, int slots,
-                           const Mixture& out)
+                           Surveyor& surveyor, const exec::RowPipelineGeometry& geometry, int slots, const Mixture& out)
     : source_(source),
       selection_(selection),
       runs_(runs),
       geometry_(geometry),
       out_(out),
-      ring_rows_(ring_rows),
+      ring_rows_(exec::window_between(geometry, choice_halos(selection))),
       entries_(runs.entries()),
       surveyor_(prior == nullptr ? &surveyor : nullptr),
       weighs_evidence_(prior != nullptr),
@@ -92,7 +91,7 @@ void ChoiceStages::add_risk_passes() {
 }
 
 MapRows ChoiceStages::add_ring(int planes) {
-  rings_.push_back(std::make_unique<exec::RowRing>(planes, geometry_.width, ring_rows_));
+  rings_.push_back(std::make_unique<exec::RowRing>(planes, geometry_.width, ring_rows_, source_.memory()));
   return {rings_.back().get(), planes, -1};
 }
 

@@ -26,7 +26,7 @@ class ChoiceStages {
   /// Everything referred to must outlive this. `prior`: what is known of the image as a whole; where there is none, the
   /// stages show their candidates to `surveyor`.
   ChoiceStages(const Source& source, Selection selection, FilterRuns& runs, const Survey* prior, Surveyor& surveyor,
-               const exec::RowPipelineGeometry& geometry, int ring_rows, int slots, const Mixture& out);
+               const exec::RowPipelineGeometry& geometry, int slots, const Mixture& out);
 
   /// In the order in which they run. The stages refer to this object.
   [[nodiscard]] const std::vector<exec::RowStage>& list() const noexcept { return list_; }

@@ -37,6 +37,8 @@ constexpr double kSurveyShare = 0.12;            // of a filter's share
 constexpr double kBlendShare = 0.05;             // of the main share, where there are several filters
 constexpr double kExternalShare = 0.05;          // of the main share, for each external candidate
 
+bool is_limited(const Execution& execution) { return execution.memory && execution.memory->limit().bytes > 0; }
+
 exec::RowPipelineGeometry geometry_of(const Frame& frame, const Execution& execution, int threads) {
   exec::RowPipelineGeometry geometry;
   geometry.width = frame.width;
@@ -44,16 +46,16 @@ exec::RowPipelineGeometry geometry_of(const Frame& frame, const Execution& execu
   const int width = execution.tile_width > 0 ? execution.tile_width : kDefaultTileWidth;
   geometry.tile_width = (width + kernels::kMaxLanes - 1) / kernels::kMaxLanes * kernels::kMaxLanes;
   geometry.tile_height = execution.tile_height > 0 ? execution.tile_height : kDefaultTileHeight;
-  geometry.band_height = exec::band_height(geometry, threads);
+  geometry.band_height = exec::band_height(geometry, threads, is_limited(execution));
   return geometry;
 }
 
-void allocate(const Frame& frame, DenoiseResult& result) {
-  result.colour = Plane::triple(frame.width, frame.height);
-  result.error = Plane::triple(frame.width, frame.height);
-  result.choice = Plane(frame.width, frame.height);
-  result.density = Plane(frame.width, frame.height);
-  result.layers = allocate_layers(frame);
+void allocate(const Frame& frame, Memory* memory, DenoiseResult& result) {
+  result.colour = Plane::triple(frame.width, frame.height, memory);
+  result.error = Plane::triple(frame.width, frame.height, memory);
+  result.choice = Plane(frame.width, frame.height, memory);
+  result.density = Plane(frame.width, frame.height, memory);
+  result.layers = allocate_layers(frame, memory);
 }
 
 // Times stages by name; equal names add up.
@@ -121,18 +123,16 @@ struct Run {
 
 // One filter: its picture is the result, and no plane of the image's size is needed beside that.
 void filter_alone(Run& run, bool knows_covariances) {
-  std::vector<int> halos = job_halos(run.plans.front(), run.params.selection);
-  for (const int halo : error_halos()) halos.push_back(halo);
-  const int ring_rows = exec::ring_capacity(run.geometry, halos);
   const int slots = run.runner.slots();
-  FilterJob job(run.source, run.layers, run.plans.front(), run.params.selection, run.geometry, ring_rows, slots);
+  FilterJob job(run.source, run.layers, run.plans.front(), run.params.selection, run.geometry, error_halos(), slots);
   const double left = run.survey(job, kMainShare);
 
-  const exec::RowRing rows(MixtureRows::planes(run.layers.channels()), run.geometry.width, ring_rows);
+  const exec::RowRing rows(MixtureRows::planes(run.layers.channels()), run.geometry.width,
+                           exec::ring_capacity(run.geometry, {}), run.source.memory());
   const MixtureRows picture(rows);
   std::vector<exec::RowStage> stages = job.plan_stages({picture, &run.result.choice});
-  ErrorStages errors(run.source, run.layers, run.energy, run.params, picture, job.guides(), run.geometry, ring_rows,
-                     slots, run.result);
+  ErrorStages errors(run.source, run.layers, run.energy, run.params, picture, job.guides(), run.geometry, slots,
+                     run.result);
   stages.insert(stages.end(), errors.list().begin(), errors.list().end());
   run.execute(stages, left);
   run.doubt(job.findings(), knows_covariances);
@@ -148,10 +148,10 @@ struct Picture {
 
 Picture make_picture(Run& run, const FilterPlan& plan, double share, Survey* findings) {
   const exec::RowPipelineGeometry& geometry = run.geometry;
-  const int ring_rows = exec::ring_capacity(geometry, job_halos(plan, run.params.selection));
-  Picture picture{exec::RowRing(MixtureRows::planes(run.layers.channels()), geometry.width, geometry.height),
-                  Plane(geometry.width, geometry.height)};
-  FilterJob job(run.source, run.layers, plan, run.params.selection, geometry, ring_rows, run.runner.slots());
+  Picture picture{exec::RowRing(MixtureRows::planes(run.layers.channels()), geometry.width, geometry.height,
+                                run.source.memory(), Memory::Use::kImage),
+                  Plane(geometry.width, geometry.height, run.source.memory())};
+  FilterJob job(run.source, run.layers, plan, run.params.selection, geometry, {}, run.runner.slots());
   const double left = run.survey(job, share);
   run.execute(job.plan_stages({MixtureRows(picture.rows), &picture.choice}), left);
   if (findings != nullptr) *findings = job.findings();
@@ -225,11 +225,12 @@ void filter_together(Run& run, bool knows_covariances) {
   std::optional<Blend> blend;
   run.clock.measure("weigh",
                     [&] { blend.emplace(run.source, run.layers, rows, run.runner, kMainShare * kBlendShare / 2); });
-  const int ring_rows = exec::ring_capacity(run.geometry, error_halos());
-  const exec::RowRing mixed(MixtureRows::planes(run.layers.channels()), run.geometry.width, ring_rows);
-  const GuideRows guides = make_guides(run.plans.front().spec, run.source, ring_rows);
+  const exec::RowRing mixed(MixtureRows::planes(run.layers.channels()), run.geometry.width,
+                            exec::ring_capacity(run.geometry, {}), run.source.memory());
+  const GuideRows guides =
+      make_guides(run.plans.front().spec, run.source, exec::ring_capacity(run.geometry, error_halos()));
   ErrorStages errors(run.source, run.layers, run.energy, run.params, MixtureRows(mixed), guides, run.geometry,
-                     ring_rows, run.runner.slots(), run.result);
+                     run.runner.slots(), run.result);
   const int pitch = run.geometry.tile_width;
   std::vector<std::vector<float>> lines(
       static_cast<std::size_t>(run.runner.slots()),
@@ -271,6 +272,10 @@ void check(const DenoiseParams& params) {
   require_in_range("density.dimensions", params.density.dimensions, 1.0F, 100.0F);
   for (const float weight : params.luminance_weights) require_in_range("luminance_weights", weight, -10.0F, 10.0F);
   const Execution& execution = params.execution;
+  if (execution.memory && !is_limited(execution) && !execution.memory->limit().scratch_folder.empty()) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "a scratch folder is named, but memory is not limited: nothing would go there; set max-memory");
+  }
   require_in_range("execution.threads", static_cast<float>(execution.threads), 0.0F, 4096.0F);
   if (execution.tile_width != 0)
     require_in_range("execution.tile_width", static_cast<float>(execution.tile_width), 16.0F, 4096.0F, "px");
@@ -302,8 +307,9 @@ DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {
   clock.measure("inspect", [&] { report.frame = inspect(frame, runner, kRestShare / 2); });
   if (params.strict) require_clean(frame, report.frame);
   warn_of_layers(frame, report);
-  allocate(frame, result);
-  Source source(frame, report.frame);
+  Memory* const memory = params.execution.memory.get();
+  allocate(frame, memory, result);
+  Source source(frame, report.frame, memory);
   const Source given = source;
   clock.measure("outliers", [&] { replace_outliers(source, params, runner, report); });
 
@@ -316,6 +322,7 @@ DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {
   } else {
     filter_together(run, knows_covariances);
   }
+  if (memory != nullptr) tell_of_memory(memory->usage(), report);
   clock.measure("summarise", [&] { summarise(source, params, runner, kRestShare / 2, result); });
   return result;
 }

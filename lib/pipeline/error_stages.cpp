@@ -17,6 +17,7 @@ const std::vector<int> kErrorSteps = {1, 2, 4};
 constexpr float kSmoothingSigmaScale = 2.0F;  // of the features: each pass weighs edges anew
 constexpr int kNoiseMap = 3;                  // after the predictors of the channels
 constexpr std::size_t kLines = 4;
+constexpr std::size_t kBlocksToTrim = 65536;  // a MiB
 
 }  // namespace
 
@@ -28,7 +29,7 @@ std::vector<int> error_halos() {
 
 ErrorStages::ErrorStages(const Source& source, const LayerSource& layers, const OutlierEnergy& energy,
                          const DenoiseParams& params, const MixtureRows& filtered, const GuideRows& guides,
-                         const exec::RowPipelineGeometry& geometry, int ring_rows, int slots, DenoiseResult& result)
+                         const exec::RowPipelineGeometry& geometry, int slots, DenoiseResult& result)
     : source_(source),
       layers_(layers),
       energy_(energy),
@@ -37,20 +38,20 @@ ErrorStages::ErrorStages(const Source& source, const LayerSource& layers, const 
       guides_(guides),
       geometry_(geometry),
       result_(result),
-      ring_rows_(ring_rows),
       calibrations_{ErrorCalibration(slots), ErrorCalibration(slots), ErrorCalibration(slots)} {
   const auto blocks = static_cast<std::size_t>((geometry.width + kSumBlock - 1) / kSumBlock);
-  for (std::vector<Sums>& sums : sums_) sums.resize(blocks * static_cast<std::size_t>(geometry.height));
+  for (int c = 0; c < 3; ++c) sums_.emplace_back(blocks * static_cast<std::size_t>(geometry.height), source.memory());
   lines_.assign(static_cast<std::size_t>(slots),
                 std::vector<float>(kLines * static_cast<std::size_t>(geometry.tile_width)));
-  risks_ = add_ring(3);
-  predictors_ = add_ring(params_.density.rule == DensityRule::kAllSamples ? kNoiseMap + 1 : kNoiseMap);
+  risks_ = add_ring(3, exec::ring_capacity(geometry, error_halos()));  // until the predictors are smooth
+  predictors_ = add_ring(params_.density.rule == DensityRule::kAllSamples ? kNoiseMap + 1 : kNoiseMap,
+                         exec::window_between(geometry, error_halos()));
   list_.push_back({"error", 0, 0.1, [this](const Rect& tile, int slot) { assess(tile, slot); }});
   add_passes();
 }
 
-MapRows ErrorStages::add_ring(int planes) {
-  rings_.push_back(std::make_unique<exec::RowRing>(planes, geometry_.width, ring_rows_));
+MapRows ErrorStages::add_ring(int planes, int rows) {
+  rings_.push_back(std::make_unique<exec::RowRing>(planes, geometry_.width, rows, source_.memory()));
   return {rings_.back().get(), planes, -1};
 }
 
@@ -58,7 +59,7 @@ void ErrorStages::add_passes() {
   MapRows maps = predictors_;
   for (std::size_t i = 0; i < kErrorSteps.size(); ++i) {
     const GuidedPass pass{PassKernel::kB3Spline, kErrorSteps[i], kSmoothingSigmaScale, 1.0F};
-    const MapRows out = add_ring(maps.count);
+    const MapRows out = add_ring(maps.count, exec::window_between(geometry_, error_halos()));
     const bool is_last = i + 1 == kErrorSteps.size();
     list_.push_back({"smooth error", pass.halo(), 1.0, [this, pass, maps, out, is_last](const Rect& tile, int slot) {
                        run_guided_pass(pass, guides_, geometry_.height, tile, maps, out);
@@ -165,9 +166,10 @@ void ErrorStages::report_means() {
   double relative = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     double error = 0;
-    for (const Sums& block : sums_[c]) {
-      error += block.error;
-      relative += block.relative_error;
+    for (std::size_t i = 0; i < sums_[c].size(); ++i) {
+      if (i % kBlocksToTrim == 0 && source_.memory() != nullptr) source_.memory()->trim();
+      error += sums_[c][i].error;
+      relative += sums_[c][i].relative_error;
     }
     result_.report.mean_error[c] = error / pixels;
   }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/large_array.hpp"
 #include "exec/row_pipeline.hpp"
 #include "exec/runner.hpp"
 #include "filters/guide_rows.hpp"
@@ -29,7 +30,7 @@ class ErrorStages {
   /// of the guides that it reads.
   ErrorStages(const Source& source, const LayerSource& layers, const OutlierEnergy& energy, const DenoiseParams& params,
               const MixtureRows& filtered, const GuideRows& guides, const exec::RowPipelineGeometry& geometry,
-              int ring_rows, int slots, DenoiseResult& result);
+              int slots, DenoiseResult& result);
 
   /// In the order in which they run. The stages refer to this object.
   [[nodiscard]] const std::vector<exec::RowStage>& list() const noexcept { return list_; }
@@ -38,7 +39,7 @@ class ErrorStages {
   void calibrate(exec::Runner& runner);
 
  private:
-  [[nodiscard]] MapRows add_ring(int planes);
+  [[nodiscard]] MapRows add_ring(int planes, int rows);
   void add_passes();
   void assess(const Rect& tile, int slot);
   void assess_row(const Rect& tile, int y, float* lines);
@@ -55,7 +56,6 @@ class ErrorStages {
   const GuideRows& guides_;
   exec::RowPipelineGeometry geometry_;
   DenoiseResult& result_;
-  int ring_rows_;
   std::vector<std::unique_ptr<exec::RowRing>> rings_;
   MapRows risks_;              // relative, per channel
   MapRows predictors_;         // of the error, per channel; and the noise where the density wants it
@@ -65,7 +65,7 @@ class ErrorStages {
     double error = 0;
     double relative_error = 0;
   };
-  std::array<std::vector<Sums>, 3> sums_;  // per channel: over blocks of 16 pixels of a row
+  std::vector<LargeArray<Sums>> sums_;     // per channel: over blocks of 16 pixels of a row
   std::vector<std::vector<float>> lines_;  // per slot: rows as wide as a tile
   std::vector<exec::RowStage> list_;
 };

@@ -47,7 +47,8 @@ class Pictures {
         candidate_(candidate),
         runner_(runner),
         share_(progress_weight / (1 + draws_of(candidate))),
-        rows_(MixtureRows::planes(layer_channels(frame_)), frame_.width, frame_.height),
+        rows_(MixtureRows::planes(layer_channels(frame_)), frame_.width, frame_.height, given.memory(),
+              Memory::Use::kImage),
         out_(rows_),
         lines_(static_cast<std::size_t>(runner.slots()), std::vector<float>(static_cast<std::size_t>(frame_.width))) {}
 
@@ -111,8 +112,9 @@ class Pictures {
 
   void take_image(const Image& image) {
     ReplacedPixels filled;
-    if (std::any_of(given_.replaced().list().begin(), given_.replaced().list().end(),
-                    [](const ReplacedPixel& p) { return !p.is_source; })) {
+    // One with layers is whole, as they are: filled by itself it would not be their sum.
+    if (layer_channels(frame_) == 0 && std::any_of(given_.replaced().list().begin(), given_.replaced().list().end(),
+                                                   [](const ReplacedPixel& p) { return !p.is_source; })) {
       filled.add(fill_layer(frame_, as_layer(candidate_, image)), frame_.height);
     }
     runner_.for_each(frame_.height, share_, [&](int y, int) {

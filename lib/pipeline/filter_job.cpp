@@ -3,20 +3,13 @@
 
 namespace stein {
 
-std::vector<int> job_halos(const FilterPlan& plan, Selection selection) {
-  std::vector<int> halos = run_halos(plan);
-  for (const int halo : choice_halos(selection)) halos.push_back(halo);
-  return halos;
-}
-
 FilterJob::FilterJob(const Source& source, const LayerSource& layers, const FilterPlan& plan, Selection selection,
-                     const exec::RowPipelineGeometry& geometry, int ring_rows, int slots)
+                     const exec::RowPipelineGeometry& geometry, const std::vector<int>& guided, int slots)
     : source_(source),
       selection_(selection),
       geometry_(geometry),
-      ring_rows_(ring_rows),
       slots_(slots),
-      runs_(source, layers, plan, geometry, ring_rows, slots),
+      runs_(source, layers, plan, geometry, choice_halos(selection), guided, slots),
       surveyor_(source, runs_, geometry, slots) {}
 
 bool FilterJob::wants_survey() const noexcept {
@@ -29,8 +22,7 @@ void FilterJob::survey(exec::Runner& runner, double progress_weight) {
 }
 
 const std::vector<exec::RowStage>& FilterJob::plan_stages(const Mixture& out) {
-  stages_.emplace(source_, selection_, runs_, prior_ ? &*prior_ : nullptr, surveyor_, geometry_, ring_rows_, slots_,
-                  out);
+  stages_.emplace(source_, selection_, runs_, prior_ ? &*prior_ : nullptr, surveyor_, geometry_, slots_, out);
   return stages_->list();
 }
 

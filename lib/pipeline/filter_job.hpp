@@ -15,14 +15,12 @@
 
 namespace stein {
 
-/// The halos of all its stages.
-[[nodiscard]] std::vector<int> job_halos(const FilterPlan& plan, Selection selection);
-
 class FilterJob {
  public:
-  /// Everything referred to must outlive this. `ring_rows`: rows of the windows between stages.
+  /// Everything referred to must outlive this. `guided`: halos of the stages that follow the job's own and read its
+  /// guides.
   FilterJob(const Source& source, const LayerSource& layers, const FilterPlan& plan, Selection selection,
-            const exec::RowPipelineGeometry& geometry, int ring_rows, int slots);
+            const exec::RowPipelineGeometry& geometry, const std::vector<int>& guided, int slots);
 
   /// Whether the image is surveyed before: filters of many passes need nearly all rows of each for a few of the last,
   /// and do without.
@@ -40,7 +38,6 @@ class FilterJob {
   const Source& source_;
   Selection selection_;
   exec::RowPipelineGeometry geometry_;
-  int ring_rows_;
   int slots_;
   FilterRuns runs_;
   Surveyor surveyor_;

@@ -11,15 +11,30 @@
 
 namespace stein {
 
+namespace {
+
+std::vector<int> joined(std::vector<int> first, const std::vector<int>& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
+}
+
+// Of the stages after the first pass, which may begin to add up candidates.
+std::vector<int> without_first(std::vector<int> halos) {
+  halos.erase(halos.begin());
+  return halos;
+}
+
+}  // namespace
+
 std::vector<int> run_halos(const FilterPlan& plan) {
-  const std::vector<int> one = halos(plan.spec);
   std::vector<int> all;
-  for (int run = 0; run < plan.runs(); ++run) all.insert(all.end(), one.begin(), one.end());
+  for (int run = 0; run < plan.runs(); ++run) all = joined(all, halos(plan.spec));
   return all;
 }
 
 FilterRuns::FilterRuns(const Source& source, const LayerSource& layers, const FilterPlan& plan,
-                       const exec::RowPipelineGeometry& geometry, int ring_rows, int slots)
+                       const exec::RowPipelineGeometry& geometry, const std::vector<int>& readers,
+                       const std::vector<int>& guided, int slots)
     : source_(source),
       layers_(layers),
       plan_(plan),
@@ -27,20 +42,24 @@ FilterRuns::FilterRuns(const Source& source, const LayerSource& layers, const Fi
       passes_(halos(plan.spec)),
       scratch_(static_cast<std::size_t>(slots)),
       directions_(static_cast<std::size_t>(slots), std::vector<float>(static_cast<std::size_t>(geometry.tile_width))) {
-  add_run({}, ring_rows);
-  layer_rows_ = exec::RowRing((entries_ - 1) * layers.channels(), geometry.width, ring_rows);
+  const std::vector<int> read_by = joined(run_halos(plan), readers);
+  const int candidate_rows = exec::ring_capacity(geometry, without_first(read_by));
+  add_run({}, exec::ring_capacity(geometry, joined(read_by, guided)), candidate_rows);
+  layer_rows_ = exec::RowRing((entries_ - 1) * layers.channels(), geometry.width, candidate_rows, source.memory());
   for (int draw = 0; draw + 1 < plan.runs(); ++draw) {
-    add_run(Perturbation{plan.monte_carlo.seed, draw, plan.monte_carlo.step}, ring_rows);
+    add_run(Perturbation{plan.monte_carlo.seed, draw, plan.monte_carlo.step}, exec::ring_capacity(geometry, passes_),
+            exec::ring_capacity(geometry, without_first(passes_)));
   }
 }
 
-void FilterRuns::add_run(const std::optional<Perturbation>& perturbation, int ring_rows) {
+void FilterRuns::add_run(const std::optional<Perturbation>& perturbation, int guide_rows, int candidate_rows) {
   auto run = std::make_unique<Run>();
   if (perturbation) run->perturbed.emplace(source_.perturbed(*perturbation));
   const Source& source = perturbation ? *run->perturbed : source_;
-  run->guides.emplace(make_guides(plan_.spec, source, ring_rows));
+  run->guides.emplace(make_guides(plan_.spec, source, guide_rows));
+  const int pass_rows = exec::window_between(geometry_, passes_);
   const Divergence divergence = plan_.risk == Risk::kJoint ? Divergence::kJoint : Divergence::kPlain;
-  run->filter = prepare(plan_.spec, {source, *run->guides, geometry_.tile_width, geometry_.tile_height, ring_rows,
+  run->filter = prepare(plan_.spec, {source, *run->guides, geometry_.tile_width, geometry_.tile_height, pass_rows,
                                      divergence, perturbation ? nullptr : &layers_});
   entries_ = run->filter->candidates() + 1;
   if (entries_ > kMaxEntries) {
@@ -48,7 +67,8 @@ void FilterRuns::add_run(const std::optional<Perturbation>& perturbation, int ri
                                                  " candidates; at most " + std::to_string(kMaxEntries - 1) +
                                                  " can be chosen from");
   }
-  run->candidates = exec::RowRing((entries_ - 1) * CandidateRows::kPlanes, geometry_.width, ring_rows);
+  run->candidates =
+      exec::RowRing((entries_ - 1) * CandidateRows::kPlanes, geometry_.width, candidate_rows, source.memory());
   runs_.push_back(std::move(run));
 }
 

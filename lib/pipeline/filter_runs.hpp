@@ -28,9 +28,11 @@ struct FilterPlan {
 
 class FilterRuns {
  public:
-  /// Everything referred to must outlive this. `ring_rows`: rows of the windows that hold results.
+  /// Everything referred to must outlive this. `readers`: halos of the stages that follow up to the last one that reads
+  /// candidates(), and `guided` of those from there to the last one that reads guides().
   FilterRuns(const Source& source, const LayerSource& layers, const FilterPlan& plan,
-             const exec::RowPipelineGeometry& geometry, int ring_rows, int slots);
+             const exec::RowPipelineGeometry& geometry, const std::vector<int>& readers, const std::vector<int>& guided,
+             int slots);
 
   [[nodiscard]] int entries() const noexcept { return entries_; }  ///< candidates and the unfiltered input
   [[nodiscard]] int common_candidate() const noexcept { return runs_.front()->filter->common_candidate(); }
@@ -57,7 +59,7 @@ class FilterRuns {
     exec::RowRing candidates;
   };
 
-  void add_run(const std::optional<Perturbation>& perturbation, int ring_rows);
+  void add_run(const std::optional<Perturbation>& perturbation, int guide_rows, int candidate_rows);
   void add_draw(const Run& draw, const Rect& tile, float* b) const;
 
   const Source& source_;

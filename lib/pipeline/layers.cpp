@@ -10,11 +10,12 @@ std::string plane_name(const FilteredLayer& layer, std::size_t channel) {
   return plane_name(Layer{layer.name, std::vector<ConstPlaneView>(layer.mean.size())}, channel);
 }
 
-std::vector<FilteredLayer> allocate_layers(const Frame& frame) {
+std::vector<FilteredLayer> allocate_layers(const Frame& frame, Memory* memory) {
   std::vector<FilteredLayer> layers;
   for (const Layer& layer : frame.layers) {
     layers.push_back({layer.name, {}});
-    for (std::size_t c = 0; c < layer.mean.size(); ++c) layers.back().mean.emplace_back(frame.width, frame.height);
+    for (std::size_t c = 0; c < layer.mean.size(); ++c)
+      layers.back().mean.emplace_back(frame.width, frame.height, memory);
   }
   return layers;
 }

@@ -14,7 +14,7 @@
 namespace stein {
 
 /// Planes for the layers of the frame.
-[[nodiscard]] std::vector<FilteredLayer> allocate_layers(const Frame& frame);
+[[nodiscard]] std::vector<FilteredLayer> allocate_layers(const Frame& frame, Memory* memory);
 
 /// Warns of each layer that had to be filled where the colour is usable.
 void warn_of_layers(const Frame& frame, DenoiseReport& report);

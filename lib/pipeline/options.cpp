@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <utility>
 
 #include "core/filter_options.hpp"
 
@@ -48,6 +50,19 @@ void set_quality(DenoiseParams& params, const std::string& name, const std::stri
   params.second_pass = quality == Quality::kBest;
 }
 
+std::int64_t bytes_of(const std::string& name, double value) {
+  constexpr double kLargest = 1152921504606846976.0;  // 2^60
+  return static_cast<std::int64_t>(whole(name, value, kLargest));
+}
+
+// The limit of a Memory is fixed: another one takes its place.
+template <class Change>
+void limit_memory(DenoiseParams& params, const Change& change) {
+  MemoryLimit limit = params.execution.memory ? params.execution.memory->limit() : MemoryLimit{};
+  change(limit);
+  params.execution.memory = std::make_shared<Memory>(std::move(limit));
+}
+
 using Params = DenoiseParams;
 using Text = std::string;
 
@@ -56,6 +71,8 @@ constexpr auto kTexts = std::to_array<Option<Params, const Text&>>({
     {"risk", [](Params& p, const Text& n, const Text& v) { p.risk = risk_of(n, v); }},
     {"selection", [](Params& p, const Text& n, const Text& v) { p.selection = selection_of(n, v); }},
     {"density-rule", [](Params& p, const Text& n, const Text& v) { p.density.rule = density_rule_of(n, v); }},
+    {"scratch",
+     [](Params& p, const Text&, const Text& v) { limit_memory(p, [&](MemoryLimit& l) { l.scratch_folder = v; }); }},
 });
 
 constexpr auto kNumbers = std::to_array<Option<Params, double>>({
@@ -68,6 +85,8 @@ constexpr auto kNumbers = std::to_array<Option<Params, double>>({
     {"threads", [](Params& p, const Text& n, double v) { p.execution.threads = count_of(n, v); }},
     {"tile-width", [](Params& p, const Text& n, double v) { p.execution.tile_width = count_of(n, v); }},
     {"tile-height", [](Params& p, const Text& n, double v) { p.execution.tile_height = count_of(n, v); }},
+    {"max-memory",
+     [](Params& p, const Text& n, double v) { limit_memory(p, [&](MemoryLimit& l) { l.bytes = bytes_of(n, v); }); }},
 });
 
 [[noreturn]] void refuse_name(const std::string& name) {

@@ -27,6 +27,15 @@ class Passes {
     return second_of(frame, denoise(frame, first));
   }
 
+  /// For what counts as no progress, but can be cancelled.
+  [[nodiscard]] Execution between() const {
+    Execution execution = params_.execution;
+    if (execution.progress) {
+      execution.progress = [&progress = params_.execution.progress, begun = begun_](double) { return progress(begun); };
+    }
+    return execution;
+  }
+
   DenoiseResult mixture(const Frame& frame, ExternalCandidate candidate) {
     DenoiseParams last = part(1.0 - begun_);
     last.candidates.push_back(std::move(candidate));
@@ -83,7 +92,7 @@ DenoiseResult denoise_twice(const Frame& frame, const DenoiseParams& params) {
   Passes passes(params);
   const DenoiseResult picture = passes.second_of(frame);
   const Perturbation perturbation{params.monte_carlo.seed, 0, kExternalStep};
-  const PerturbedFrame moved(frame, perturbation, params.execution);
+  const PerturbedFrame moved(frame, perturbation, passes.between());
   Frame without_layers = moved.frame();
   without_layers.layers.clear();
   const DenoiseResult moved_picture = passes.second_of(without_layers);

@@ -36,16 +36,33 @@ RowSums sums_of_row(const DenoiseResult& result, std::size_t entries, int y) {
   return sums;
 }
 
+// Trims memory now and then between the steps of serial work.
+class Trimmer {
+ public:
+  explicit Trimmer(const Source& source) : memory_(source.memory()) {}
+  void step() {
+    constexpr int kSteps = 64;
+    if (memory_ != nullptr && ++steps_ % kSteps == 0) memory_->trim();
+  }
+
+ private:
+  const Memory* memory_;
+  int steps_ = 0;
+};
+
 // A pixel without usable colour knows nothing of its variance: it is worth as much as its best valid neighbour, or the
 // image's mean where there is none.
 void fill_density(const Source& source, Plane& density) {
+  Trimmer trimmer(source);
   std::vector<std::pair<const ReplacedPixel*, float>> fills;
   double mean = 0;
   for (int y = 0; y < density.height() && !source.replaced().list().empty(); ++y) {
+    trimmer.step();
     mean += std::accumulate(density.row(y), density.row(y) + density.width(), 0.0) / density.width() / density.height();
   }
   for (const ReplacedPixel& pixel : source.replaced().list()) {
     if (pixel.is_source) continue;
+    trimmer.step();
     float best = 0;
     float mask[3] = {};
     for (int y = std::max(pixel.y - 1, 0); y <= std::min(pixel.y + 1, density.height() - 1); ++y) {
@@ -56,13 +73,19 @@ void fill_density(const Source& source, Plane& density) {
     }
     fills.emplace_back(&pixel, best > 0.0F ? best : static_cast<float>(mean));
   }
-  for (const auto& [pixel, value] : fills) density.row(pixel->y)[pixel->x] = value;
+  for (const auto& [pixel, value] : fills) {
+    trimmer.step();
+    density.row(pixel->y)[pixel->x] = value;
+  }
 }
 
 /// Whether all pixels claim to be exact. Ends at the first that does not.
-bool has_no_variance(const Frame& frame) {
+bool has_no_variance(const Source& source) {
+  const Frame& frame = source.frame();
+  Trimmer trimmer(source);
   std::vector<float> row(static_cast<std::size_t>(frame.width));
   for (int y = 0; y < frame.height; ++y) {
+    trimmer.step();
     for (const ConstPlaneView& variance : frame.colour_variance) {
       variance.read_row(y, 0, frame.width, row.data());
       if (std::any_of(row.begin(), row.end(), [](float v) { return v != 0.0F; })) return false;
@@ -72,8 +95,11 @@ bool has_no_variance(const Frame& frame) {
 }
 
 void mark_filled(const Source& source, Plane& choice) {
+  Trimmer trimmer(source);
   for (const ReplacedPixel& pixel : source.replaced().list()) {
-    if (!pixel.is_source) choice.row(pixel.y)[pixel.x] = -1.0F;
+    if (pixel.is_source) continue;
+    trimmer.step();
+    choice.row(pixel.y)[pixel.x] = -1.0F;
   }
 }
 
@@ -130,6 +156,19 @@ void add_warnings(const Frame& frame, bool is_exact, DenoiseReport& report) {
 
 }  // namespace
 
+void tell_of_memory(const MemoryUsage& usage, DenoiseReport& report) {
+  report.scratch_bytes = usage.scratch_bytes;
+  if (usage.scratch_window_bytes > 0) {
+    warn(report, "of ", usage.window_bytes, " bytes that windows of rows take, ", usage.scratch_window_bytes,
+         " were in scratch files, which costs time; allow ", 2 * usage.window_bytes,
+         " bytes of memory or more, or fewer threads");
+  }
+  if (usage.scratch_is_memory) {
+    warn(report,
+         "the scratch folder is memory itself (tmpfs): what lies there counts as well; name a folder on a disk");
+  }
+}
+
 void summarise(const Source& source, const DenoiseParams& params, exec::Runner& runner, double progress_weight,
                DenoiseResult& result) {
   const Frame& frame = source.frame();
@@ -157,7 +196,7 @@ void summarise(const Source& source, const DenoiseParams& params, exec::Runner& 
   if (params.outliers.spread == 0.0F) radiance += report.outlier_energy;
   report.outlier_energy = radiance > 0 ? report.outlier_energy / radiance : 0.0;
   scale_density(result.density, density, runner);
-  add_warnings(frame, radiance > 0 && has_no_variance(frame), report);
+  add_warnings(frame, radiance > 0 && has_no_variance(source), report);
 }
 
 }  // namespace stein

@@ -11,4 +11,7 @@ namespace stein {
 void summarise(const Source& source, const DenoiseParams& params, exec::Runner& runner, double progress_weight,
                DenoiseResult& result);
 
+/// What it took, and warnings where a scratch folder does harm.
+void tell_of_memory(const MemoryUsage& usage, DenoiseReport& report);
+
 }  // namespace stein

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/large_array.hpp"
 #include "pipeline/relative_risk.hpp"
 #include "select/selection.hpp"
 
@@ -21,6 +22,14 @@ bool is_surveyed(int y, int height, int reach) {
   if (height < kSmall) return true;
   const int beyond = (y + kPeriod - kFirstRow) % kPeriod - (kRows - 1);  // the last row before
   return beyond <= reach || kPeriod - (kRows - 1) - beyond <= reach;
+}
+
+// How many rows are looked at, or a few more.
+int surveyed_rows(int height) { return height < kSmall ? height : (height / kPeriod + 1) * kRows; }
+
+// Of the rows that are looked at, how many lie before row y, which is one.
+int surveyed_before(int y, int height) {
+  return height < kSmall ? y : (y - kFirstRow) / kPeriod * kRows + (y - kFirstRow) % kPeriod;
 }
 
 // Sums over the pixels of a block.
@@ -53,12 +62,13 @@ struct Surveyor::State {
         height(geometry.height),
         pitch(geometry.tile_width),
         blocks((geometry.width + kSumBlock - 1) / kSumBlock),
-        sums(static_cast<std::size_t>(blocks) * static_cast<std::size_t>(geometry.height)),
+        sums(static_cast<std::size_t>(blocks) * static_cast<std::size_t>(surveyed_rows(geometry.height)),
+             from.memory()),
         lines(static_cast<std::size_t>(slots),
               std::vector<float>(static_cast<std::size_t>((kRelativeRiskLines + kMaxEntries) * pitch))) {}
 
   [[nodiscard]] BlockSums& sums_at(int x, int y) {
-    return sums[static_cast<std::size_t>(y) * static_cast<std::size_t>(blocks) +
+    return sums[static_cast<std::size_t>(surveyed_before(y, height)) * static_cast<std::size_t>(blocks) +
                 static_cast<std::size_t>(x / kSumBlock)];
   }
   void add_row(const Rect& part, int y, float* row_lines);
@@ -70,7 +80,7 @@ struct Surveyor::State {
   int height;
   std::ptrdiff_t pitch;
   int blocks;
-  std::vector<BlockSums> sums;            // [row][block]
+  LargeArray<BlockSums> sums;             // [row that is looked at][block]
   std::vector<std::vector<float>> lines;  // per slot
 };
 
@@ -142,16 +152,18 @@ void Surveyor::State::add_noise(const Rect& part, int y, float* row_lines) {
   }
 }
 
-// Sums over areas of four blocks by eight rows: the units of standard errors, wide enough for neighbours that err
-// together.
+// Sums over areas of four blocks by the eight rows that are looked at together: the units of standard errors, wide
+// enough for neighbours that err together.
 std::vector<BlockSums> Surveyor::State::areas() const {
   constexpr int kBlocksOfArea = 4;
   const int columns = (blocks + kBlocksOfArea - 1) / kBlocksOfArea;
-  const auto row_of_areas = [](int y) { return (y + kPeriod - kFirstRow) / kRows; };  // rows looked at stay together
-  std::vector<BlockSums> areas(static_cast<std::size_t>(columns * (row_of_areas(height - 1) + 1)));
-  for (int y = 0; y < height; ++y) {
+  const int first =
+      height < kSmall ? (kPeriod - kFirstRow) % kRows : 0;  // small images too have areas as large ones do
+  const int rows = surveyed_rows(height);
+  std::vector<BlockSums> areas(static_cast<std::size_t>(columns * ((rows - 1 + first) / kRows + 1)));
+  for (int y = 0; y < rows; ++y) {
     for (int b = 0; b < blocks; ++b) {
-      const auto area = static_cast<std::size_t>(row_of_areas(y) * columns + b / kBlocksOfArea);
+      const auto area = static_cast<std::size_t>((y + first) / kRows * columns + b / kBlocksOfArea);
       areas[area].add(
           sums[static_cast<std::size_t>(y) * static_cast<std::size_t>(blocks) + static_cast<std::size_t>(b)]);
     }

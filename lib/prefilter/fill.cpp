@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "core/large_array.hpp"
 #include "prefilter/source.hpp"
 #include "stein/error.hpp"
 
@@ -12,13 +13,16 @@ class Holes {
  public:
   // Of up to three planes of the frame. validity_row(y, mask) fills a row's mask and returns the number of zeros.
   template <class ValidityRow>
-  Holes(const Frame& frame, const ConstPlaneView* planes, std::size_t channels, ValidityRow validity_row)
+  Holes(const Frame& frame, const ConstPlaneView* planes, std::size_t channels, Memory* memory,
+        ValidityRow validity_row)
       : frame_(frame),
         planes_(planes),
         channels_(channels),
-        entry_(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height), kValid) {
+        memory_(memory),
+        entry_(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height), memory) {
     std::vector<float> mask(static_cast<std::size_t>(frame.width));
     for (int y = 0; y < frame.height; ++y) {
+      trim();
       if (validity_row(y, mask.data()) == 0) continue;
       for (int x = 0; x < frame.width; ++x) {
         if (mask[static_cast<std::size_t>(x)] == 0.0F) at(x, y) = kUnknown;
@@ -35,6 +39,7 @@ class Holes {
   std::vector<ReplacedPixel> first_layer() {
     std::vector<ReplacedPixel> layer;
     for (int y = 0; y < frame_.height; ++y) {
+      trim();
       for (int x = 0; x < frame_.width; ++x) {
         if (is_unknown(x, y) && mean_of_known(x, y, nullptr) > 0) layer.push_back({x, y, {}});
       }
@@ -48,7 +53,8 @@ class Holes {
     for (ReplacedPixel& p : layer) mean_of_known(p.x, p.y, &p.colour);
     std::vector<ReplacedPixel> next;
     for (const ReplacedPixel& p : layer) {
-      at(p.x, p.y) = static_cast<std::uint32_t>(filled_.size());
+      if (filled_.size() % 256 == 0) trim();
+      at(p.x, p.y) = kFirst + static_cast<std::uint32_t>(filled_.size());
       filled_.push_back(p);
       for_each_neighbour(p.x, p.y, [&](int x, int y) {
         if (!is_unknown(x, y)) return;
@@ -62,9 +68,11 @@ class Holes {
   std::vector<ReplacedPixel> take_filled() { return std::move(filled_); }
 
  private:
-  static constexpr std::uint32_t kValid = UINT32_MAX;
-  static constexpr std::uint32_t kUnknown = UINT32_MAX - 1;
-  static constexpr std::uint32_t kQueued = UINT32_MAX - 2;
+  enum : std::uint32_t { kValid, kUnknown, kQueued, kFirst };
+
+  void trim() const {
+    if (memory_ != nullptr) memory_->trim();
+  }
 
   [[nodiscard]] std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(frame_.width) + static_cast<std::size_t>(x);
@@ -88,7 +96,7 @@ class Holes {
       ++count;
       const std::uint32_t entry = entry_[index(nx, ny)];
       for (std::size_t c = 0; c < channels_ && mean != nullptr; ++c) {
-        sum[c] += entry == kValid ? planes_[c].at(nx, ny) : filled_[entry].colour[c];
+        sum[c] += entry == kValid ? planes_[c].at(nx, ny) : filled_[entry - kFirst].colour[c];
       }
     });
     for (std::size_t c = 0; c < channels_ && mean != nullptr; ++c) (*mean)[c] = static_cast<float>(sum[c] / count);
@@ -98,7 +106,8 @@ class Holes {
   const Frame& frame_;
   const ConstPlaneView* planes_;
   std::size_t channels_;
-  std::vector<std::uint32_t> entry_;  // kValid, kUnknown, kQueued, or the index into filled_
+  Memory* memory_;
+  LargeArray<std::uint32_t> entry_;  // kValid, kUnknown, kQueued, or kFirst plus the index into filled_
   std::vector<ReplacedPixel> filled_;
 };
 
@@ -116,8 +125,8 @@ std::vector<ReplacedPixel> fill(Holes holes, const Refuse& refuse) {
 
 }  // namespace
 
-std::vector<ReplacedPixel> fill_invalid(const Frame& frame) {
-  Holes holes(frame, frame.colour.data(), frame.colour.size(),
+std::vector<ReplacedPixel> fill_invalid(const Frame& frame, Memory* memory) {
+  Holes holes(frame, frame.colour.data(), frame.colour.size(), memory,
               [&](int y, float* mask) { return colour_validity_row(frame, y, 0, frame.width, mask); });
   return fill(std::move(holes), [&frame] {
     throw Error(ErrorCode::kInvalidFrame, name_of(frame) + ": " + describe(inspect(frame).first_invalid) +
@@ -126,8 +135,8 @@ std::vector<ReplacedPixel> fill_invalid(const Frame& frame) {
   });
 }
 
-std::vector<ReplacedPixel> fill_layer(const Frame& frame, const Layer& layer) {
-  Holes holes(frame, layer.mean.data(), layer.mean.size(),
+std::vector<ReplacedPixel> fill_layer(const Frame& frame, const Layer& layer, Memory* memory) {
+  Holes holes(frame, layer.mean.data(), layer.mean.size(), memory,
               [&](int y, float* mask) { return layer_validity_row(frame, layer, y, 0, frame.width, mask); });
   return fill(std::move(holes), [&] {
     throw Error(ErrorCode::kInvalidFrame, name_of(frame) + ": no pixel has a usable value in layer '" + layer.name +

@@ -13,7 +13,7 @@ LayerSource::LayerSource(const Frame& frame, const FrameReport& report, const So
       colours_.push_back(is_light ? static_cast<int>(c) : -1);
     }
     if (report.invalid_pixels > 0 || report.bad_layer_pixels[l] > 0)
-      filled_[l].add(fill_layer(frame, layer), frame.height);
+      filled_[l].add(fill_layer(frame, layer, source.memory()), frame.height);
   }
 }
 

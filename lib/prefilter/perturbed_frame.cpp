@@ -15,8 +15,9 @@ constexpr float kMostDraws = 1 << 20;
 
 // A plane of the frame, and the direction that it is moved along: direction_row(y, out).
 template <class DirectionRow>
-Plane moved(const ConstPlaneView& plane, float step, exec::Runner& runner, const DirectionRow& direction_row) {
-  Plane out(plane.width(), plane.height());
+Plane moved(const ConstPlaneView& plane, float step, Memory* memory, exec::Runner& runner,
+            const DirectionRow& direction_row) {
+  Plane out(plane.width(), plane.height(), memory);
   std::vector<std::vector<float>> rows(static_cast<std::size_t>(runner.slots()),
                                        std::vector<float>(static_cast<std::size_t>(plane.width())));
   runner.for_each(plane.height(), 0.0, [&](int y, int slot) {
@@ -42,9 +43,10 @@ PerturbedFrame::PerturbedFrame(const Frame& frame, const Perturbation& perturbat
   check(frame);
   exec::Runner runner(execution);
   const FrameReport report = inspect(frame, runner, 0.0);
-  const Source source = Source(frame, report).perturbed(perturbation);
+  Memory* const memory = execution.memory.get();
+  const Source source = Source(frame, report, memory).perturbed(perturbation);
   for (std::size_t c = 0; c < 3; ++c) {
-    planes_.push_back(moved(frame.colour[c], perturbation.step, runner,
+    planes_.push_back(moved(frame.colour[c], perturbation.step, memory, runner,
                             [&](int y, float* b) { source.direction_row(c, y, 0, frame.width, b); }));
     moved_.colour[c] = planes_.back().view();
   }
@@ -52,7 +54,7 @@ PerturbedFrame::PerturbedFrame(const Frame& frame, const Perturbation& perturbat
     if (frame.features[f].colour_covariance.empty()) continue;
     const float unit = 1.0F / source.feature_scale(f);
     for (std::size_t k = 0; k < frame.features[f].mean.size(); ++k) {
-      planes_.push_back(moved(frame.features[f].mean[k], perturbation.step, runner, [&](int y, float* b) {
+      planes_.push_back(moved(frame.features[f].mean[k], perturbation.step, memory, runner, [&](int y, float* b) {
         source.feature_direction_row(f, k, unit, y, 0, frame.width, b);
       }));
       moved_.features[f].mean[k] = planes_.back().view();

@@ -23,7 +23,7 @@ constexpr int kNeighbourRadius = 2;
 
 // Values at some 2^16 pixels spread evenly over the plane, finite ones only. The step has no factor in common with the
 // width, so that all columns take part.
-std::vector<float> sample_plane(const ConstPlaneView& plane) {
+std::vector<float> sample_plane(const ConstPlaneView& plane, const Memory* memory) {
   const std::int64_t pixels = static_cast<std::int64_t>(plane.width()) * plane.height();
   std::int64_t step = pixels / 65536 + 1;
   while (std::gcd(step, static_cast<std::int64_t>(plane.width())) != 1) ++step;
@@ -32,6 +32,7 @@ std::vector<float> sample_plane(const ConstPlaneView& plane) {
   for (std::int64_t i = 0; i < pixels; i += step) {
     const float v = plane.at(static_cast<int>(i % plane.width()), static_cast<int>(i / plane.width()));
     if (std::isfinite(v)) values.push_back(v);
+    if (memory != nullptr && values.size() % 256 == 0) memory->trim();  // each look brings pages around it
   }
   return values;
 }
@@ -68,11 +69,11 @@ class FactorRow {
 
 }  // namespace
 
-float feature_range(const Feature& feature) {
+float feature_range(const Feature& feature, const Memory* memory) {
   if (feature.name == "normal" || feature.name == "albedo" || feature.name == "visibility") return 1.0F;
   float range = 0.0F;
   for (const ConstPlaneView& plane : feature.mean) {
-    std::vector<float> values = sample_plane(plane);
+    std::vector<float> values = sample_plane(plane, memory);
     const float high = quantile(values, 0.999);
     const float low = feature.name == "depth" ? 0.0F : quantile(values, 0.001);
     range = std::max(range, high - low);
@@ -80,12 +81,12 @@ float feature_range(const Feature& feature) {
   return range > 0.0F && std::isfinite(range) ? range : 1.0F;
 }
 
-Source::Source(const Frame& frame, const FrameReport& report) : frame_(frame) {
+Source::Source(const Frame& frame, const FrameReport& report, Memory* memory) : frame_(frame), memory_(memory) {
   for (std::size_t f = 0; f < frame.features.size(); ++f) {
-    feature_scales_.push_back(1.0F / feature_range(frame.features[f]));
+    feature_scales_.push_back(1.0F / feature_range(frame.features[f], memory));
     feature_has_bad_.push_back(report.bad_feature_pixels[f] > 0 ? 1 : 0);
   }
-  if (report.invalid_pixels > 0) replace(fill_invalid(frame));
+  if (report.invalid_pixels > 0) replace(fill_invalid(frame, memory));
 }
 
 void Source::replace(const std::vector<ReplacedPixel>& pixels) { replaced_.add(pixels, frame_.height); }

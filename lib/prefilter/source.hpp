@@ -12,26 +12,27 @@
 #include "prefilter/replaced_pixels.hpp"
 #include "stein/candidate.hpp"
 #include "stein/frame.hpp"
+#include "stein/memory.hpp"
 
 namespace stein {
 
 /// Fills from the rim of every hole inwards: each pixel gets the mean of its already known 8 neighbours. Row order.
 /// O(pixels).
 /// @throws Error kInvalidFrame if no pixel at all is valid.
-[[nodiscard]] std::vector<ReplacedPixel> fill_invalid(const Frame& frame);
+[[nodiscard]] std::vector<ReplacedPixel> fill_invalid(const Frame& frame, Memory* memory = nullptr);
 
 /// The same for a layer, at pixels where it or the colour is unusable.
-[[nodiscard]] std::vector<ReplacedPixel> fill_layer(const Frame& frame, const Layer& layer);
+[[nodiscard]] std::vector<ReplacedPixel> fill_layer(const Frame& frame, const Layer& layer, Memory* memory = nullptr);
 
 /// What to divide a feature by so that its distances are comparable between scenes: 1 for features that are bounded by
 /// nature (normal, albedo, visibility), the 99.9 % quantile for depth, the largest channel's 0.1-99.9 % range for
 /// others.
-[[nodiscard]] float feature_range(const Feature& feature);
+[[nodiscard]] float feature_range(const Feature& feature, const Memory* memory = nullptr);
 
 class Source {
  public:
-  /// Views `frame`, which must outlive this.
-  Source(const Frame& frame, const FrameReport& report);
+  /// Views `frame`, which must outlive this. `memory`: for what is made of it, see Execution::memory.
+  Source(const Frame& frame, const FrameReport& report, Memory* memory = nullptr);
 
   /// The same frame, with colours and features moved by the perturbation; variances and scales stay what they are.
   [[nodiscard]] Source perturbed(const Perturbation& perturbation) const;
@@ -40,6 +41,7 @@ class Source {
   void replace(const std::vector<ReplacedPixel>& pixels);
 
   [[nodiscard]] const Frame& frame() const noexcept { return frame_; }
+  [[nodiscard]] Memory* memory() const noexcept { return memory_; }
   [[nodiscard]] const ReplacedPixels& replaced() const noexcept { return replaced_; }
   [[nodiscard]] float feature_scale(std::size_t feature) const noexcept { return feature_scales_[feature]; }
 
@@ -80,6 +82,7 @@ class Source {
   void add_step(std::size_t feature, std::size_t k, float factor, int y, int x, int count, float* mean) const;
 
   const Frame& frame_;
+  Memory* memory_;
   std::vector<float> feature_scales_;
   std::vector<std::uint8_t> feature_has_bad_;
   ReplacedPixels replaced_;

@@ -190,6 +190,7 @@ nb::dict report_of(const OutputFrame& output) {
   dict["bad_feature_pixels"] = by_name(output.features, report.frame.bad_feature_pixels);
   dict["outlier_pixels"] = report.outlier_pixels;
   dict["outlier_energy"] = report.outlier_energy;
+  dict["scratch_bytes"] = report.scratch_bytes;
   dict["warnings"] = report.warnings;
   dict["seconds"] = seconds;
   dict["instruction_set"] = report.instruction_set;

@@ -39,6 +39,8 @@ class Options(TypedDict, total=False):
     threads: int
     tile_width: int
     tile_height: int
+    max_memory: int
+    scratch: str
     # Of the filters that have them:
     bank: Literal["final", "intermediate"]
     spatial_sigmas: Sequence[float]
@@ -86,6 +88,7 @@ class Report(TypedDict):
     bad_feature_pixels: dict[str, int]
     outlier_pixels: int
     outlier_energy: float
+    scratch_bytes: int
     warnings: list[str]
     seconds: dict[str, float]
     instruction_set: str

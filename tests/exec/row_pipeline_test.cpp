@@ -125,6 +125,19 @@ TEST_CASE("row pipeline: a ring of ring_capacity() rows loses none that a stage 
   CHECK(smaller_than_image > 500);
 }
 
+TEST_CASE("row pipeline: no stage takes on more rows at a time than a band") {
+  for (const std::vector<int>& halos : kHalos) {
+    const RowPipelineGeometry geometry{3, 61, 16, 64, 7};
+    int most = 0;
+    std::vector<RowStage> stages;
+    for (const int halo : halos) {
+      stages.push_back({"stage", halo, 1.0, [&](const Rect& tile, int) { most = std::max(most, tile.height()); }});
+    }
+    run_row_pipeline(geometry, stages, single(), 1.0);
+    CHECK(most == 7);
+  }
+}
+
 TEST_CASE("row pipeline: several threads and tiles across, in rings") {
   Execution execution;
   execution.threads = 3;

@@ -83,6 +83,7 @@ TEST_CASE("layers: the sum holds for every way to choose, to estimate and to ble
   SECTION("strength") { params.strength = 0.4F; }
   SECTION("the input alone") { params.strength = 0.0F; }
   SECTION("outliers left alone") { params.outliers.enabled = false; }
+  SECTION("a second pass") { params.second_pass = true; }
   SECTION("Monte Carlo risk") {
     params.risk = Risk::kMonteCarlo;
     params.monte_carlo.draws = 2;

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// DenoiseParams::second_pass.
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "stein/denoise.hpp"
+#include "stein/error.hpp"
+#include "stein/options.hpp"
+#include "support/synthetic.hpp"
+
+namespace stein::test {
+namespace {
+
+constexpr int kWidth = 56;
+constexpr int kHeight = 40;
+
+// A slope with a step and much noise. The albedo tells the step apart.
+void fill(OwnedFrame& frame) {
+  std::mt19937 engine(9);  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same draws each time
+  std::normal_distribution<float> noise;
+  fill_random(frame, 71);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      for (const std::string c : {"R", "G", "B"}) {
+        frame.at(c, x, y) = 2.0F + 0.02F * static_cast<float>(x) + (x < 30 ? 0.0F : 2.0F) + 0.3F * noise(engine);
+        frame.at("variance." + c, x, y) = 0.09F;
+        frame.at("albedo." + c, x, y) = x < 30 ? 0.2F : 0.8F;
+        frame.at("albedo.variance." + c, x, y) = 1e-6F;
+      }
+      for (const std::string c : {"X", "Y", "Z"}) {
+        frame.at("normal." + c, x, y) = c == "Z" ? 1.0F : 0.0F;
+        frame.at("normal.variance." + c, x, y) = 1e-6F;
+      }
+    }
+  }
+}
+
+DenoiseParams cheap() {
+  DenoiseParams params;
+  CrossBilateralParams narrow;
+  narrow.spatial_sigmas = {1.0F};
+  params.filters = {narrow};
+  params.second_pass = true;
+  return params;
+}
+
+}  // namespace
+
+TEST_CASE("second pass: one more picture, with a weight of its own, for any number of threads the same") {
+  OwnedFrame frame(kWidth, kHeight, kUsualFeatures);
+  fill(frame);
+  DenoiseParams params = cheap();
+  const DenoiseResult result = denoise(frame.frame(), params);
+  REQUIRE(result.report.filters.size() == 2);
+  CHECK(result.report.filters[1].name == "second-pass");
+  CHECK(result.report.filters[1].weight > 0.2);
+  CHECK(result.report.candidates.back() == "second-pass");
+  CHECK(result.report.stages.front().name == "second-pass");
+  params.execution.threads = 3;
+  params.execution.tile_width = 16;
+  params.execution.tile_height = 8;
+  const DenoiseResult other = denoise(frame.frame(), params);
+  params.second_pass = false;
+  const DenoiseResult once = denoise(frame.frame(), params);
+  bool same = true;
+  bool differs = false;
+  for (int y = 0; y < kHeight; ++y) {
+    same = same && std::equal(result.colour[1].row(y), result.colour[1].row(y) + kWidth, other.colour[1].row(y));
+    differs = differs || !std::equal(once.colour[1].row(y), once.colour[1].row(y) + kWidth, other.colour[1].row(y));
+  }
+  CHECK(same);
+  CHECK(differs);
+}
+
+TEST_CASE("second pass: the progress rises to 1 and cancels all parts") {
+  OwnedFrame frame(kWidth, kHeight, kUsualFeatures);
+  fill(frame);
+  DenoiseParams params = cheap();
+  double last = 0;
+  int calls = 0;
+  params.execution.progress = [&](double done) {
+    CHECK(done >= last - 1e-9);
+    last = done;
+    ++calls;
+    return true;
+  };
+  (void)denoise(frame.frame(), params);
+  CHECK(last == Approx(1.0));
+  for (const double stop : {0.05, 0.2, 0.35, 0.5, 0.9}) {
+    params.execution.progress = [stop](double done) { return done < stop; };
+    try {
+      (void)denoise(frame.frame(), params);
+      FAIL("not cancelled");
+    } catch (const Error& error) {
+      CHECK(error.code() == ErrorCode::kCancelled);
+    }
+  }
+}
+
+TEST_CASE("second pass: is a part of the best quality, and an option by name") {
+  DenoiseParams params;
+  CHECK_FALSE(params.second_pass);
+  set_option(params, "quality", "best");
+  CHECK(params.second_pass);
+  set_option(params, "second-pass", 0);
+  CHECK_FALSE(params.second_pass);
+  set_option(params, "second-pass", 1);
+  set_option(params, "quality", "default");
+  CHECK_FALSE(params.second_pass);
+}
+
+TEST_CASE("second pass: strength mixes with the input once") {
+  OwnedFrame frame(kWidth, kHeight, kUsualFeatures);
+  fill(frame);
+  DenoiseParams params = cheap();
+  const DenoiseResult whole = denoise(frame.frame(), params);
+  params.strength = 0.25F;
+  const DenoiseResult quarter = denoise(frame.frame(), params);
+  for (int x = 0; x < kWidth; x += 5) {
+    const float expected = 0.25F * whole.colour[0].row(20)[x] + 0.75F * frame.at("R", x, 20);
+    CHECK(quarter.colour[0].row(20)[x] == Approx(expected).epsilon(1e-4));
+  }
+}
+
+}  // namespace stein::test
