@@ -16,8 +16,8 @@ struct MemoryLimit {
   /// Where scratch files are made: a folder on a disk, not one that is memory itself (tmpfs). Empty: $TMPDIR, or
   /// /var/tmp where that is not set.
   std::string scratch_folder = {};
-  /// Fraction of `bytes` that images may take before scratch files are made, [0..0.15]. The windows of rows that filters
-  /// work in may take four times that; the rest is for threads and the pages of scratch files that are in use.
+  /// Fraction of `bytes` that images may take before scratch files are made, [0..0.15]. The windows of rows that
+  /// filters work in may take four times that; the rest is for threads and the pages of scratch files that are in use.
   double image_share = 0.125;
 };
 
