@@ -35,6 +35,7 @@ class Options(TypedDict, total=False):
     density_rule: Literal["next-samples", "all-samples", "error-reduction"]
     strength: float
     outliers: bool
+    second_pass: bool
     strict: bool
     threads: int
     tile_width: int
