@@ -135,8 +135,8 @@ STEIN_API stein_status stein_params_set_text(stein_params* params, const char* n
  *                            that have them (stein/filters.hpp)
  *   strength                 0 (the input) to 1 (the reconstruction)
  *   draws, seed              of the Monte Carlo risk: 1 to 16 runs; 0 to 2^53
- *   outliers, second-pass, strict   0 or 1: scale fireflies down; filter the result once more; fail on values that would
- *                            be repaired
+ *   outliers, strict         0 or 1: scale fireflies down; fail on values that would be repaired
+ *   second-pass              0 or 1: filter the result once more, for one more picture in the mixture
  *   threads                  most threads to use; 0: all
  *   tile-width, tile-height  of a unit of work, 16 and 1 to 4096; 0: default. Never change the result
  *   max-memory               bytes that the process may hold, 2^27 to 2^60; 0: no limit. What stein makes beyond that
