@@ -51,7 +51,7 @@ DenoiseParams cheap() {
 
 }  // namespace
 
-TEST_CASE("second pass: one more picture, with a weight of its own, for any number of threads the same") {
+TEST_CASE("second pass: one more picture, with a weight of its own, the same bits in any order of the work") {
   OwnedFrame frame(kWidth, kHeight, kUsualFeatures);
   fill(frame);
   DenoiseParams params = cheap();
@@ -77,7 +77,7 @@ TEST_CASE("second pass: one more picture, with a weight of its own, for any numb
   CHECK(differs);
 }
 
-TEST_CASE("second pass: the progress rises to 1 and cancels all parts") {
+TEST_CASE("second pass: what is told rises to 1, and ends all parts") {
   OwnedFrame frame(kWidth, kHeight, kUsualFeatures);
   fill(frame);
   DenoiseParams params = cheap();
