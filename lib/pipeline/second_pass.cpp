@@ -38,6 +38,7 @@ class Passes {
 
   DenoiseResult mixture(const Frame& frame, ExternalCandidate candidate) {
     DenoiseParams last = part(1.0 - begun_);
+    last.candidates = params_.candidates;
     last.candidates.push_back(std::move(candidate));
     return denoise(frame, last);
   }
@@ -63,10 +64,11 @@ class Passes {
     return denoise(left, second);
   }
 
-  // One of the runs, as a share of the whole.
+  // One of the runs, as a share of the whole; without external candidates, whose images are of the frame as it is.
   DenoiseParams part(double share) {
     DenoiseParams params = params_;
     params.second_pass = false;
+    params.candidates.clear();
     if (params.execution.progress) {
       const auto& progress = params_.execution.progress;
       params.execution.progress = [&progress, begun = begun_, share](double done) {

@@ -2,6 +2,7 @@
 //
 // DenoiseParams::second_pass.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <string>
@@ -112,6 +113,28 @@ TEST_CASE("second pass: is a part of the best quality, and an option by name") {
   set_option(params, "second-pass", 1);
   set_option(params, "quality", "default");
   CHECK_FALSE(params.second_pass);
+}
+
+TEST_CASE("second pass: an external denoiser runs on the frame and its perturbed one, and on no pass") {
+  OwnedFrame frame(kWidth, kHeight, kUsualFeatures);
+  fill(frame);
+  DenoiseParams params = cheap();
+  int runs = 0;
+  ExternalDenoiser denoiser;
+  denoiser.run = [&](const Frame& given) {
+    ++runs;
+    std::array<Plane, 3> out = Plane::triple(given.width, given.height);
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (int y = 0; y < given.height; ++y) given.colour[c].read_row(y, 0, given.width, out[c].row(y));
+    }
+    return out;
+  };
+  params.candidates.push_back({"copy", denoiser});
+  const DenoiseResult result = denoise(frame.frame(), params);
+  CHECK(runs == 2);
+  REQUIRE(result.report.filters.size() == 3);
+  CHECK(result.report.filters[1].name == "copy");
+  CHECK(result.report.filters[2].name == "second-pass");
 }
 
 TEST_CASE("second pass: strength mixes with the input once") {
