@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "exr/straight_alpha.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace stein::exr {
 namespace {
 
+/// `power`: 1 or 2.
+float factor(float alpha, int power) { return power == 2 ? alpha * alpha : alpha; }
+
 ConstPlaneView multiplied(const ConstPlaneView& plane, const ConstPlaneView& alpha, int power, Memory* memory,
                           std::vector<Plane>& planes_made) {
   if (!plane) return plane;
   Plane& out = planes_made.emplace_back(plane.width(), plane.height(), memory);
-  std::vector<float> factors(static_cast<std::size_t>(plane.width()));
+  std::vector<float> alphas(static_cast<std::size_t>(plane.width()));
   for (int y = 0; y < plane.height(); ++y) {
     if (memory != nullptr) memory->trim();
-    alpha.read_row(y, 0, plane.width(), factors.data());
+    alpha.read_row(y, 0, plane.width(), alphas.data());
     plane.read_row(y, 0, plane.width(), out.row(y));
-    for (int x = 0; x < plane.width(); ++x)
-      out.row(y)[x] *= std::pow(factors[static_cast<std::size_t>(x)], static_cast<float>(power));
+    for (int x = 0; x < plane.width(); ++x) out.row(y)[x] *= factor(alphas[static_cast<std::size_t>(x)], power);
   }
   return std::as_const(out).view();
 }
@@ -50,8 +50,7 @@ ConstPlaneView Straight::divided(const Plane& plane, int power) {
   for (int y = 0; y < plane.height(); ++y) {
     if (memory_ != nullptr) memory_->trim();
     for (int x = 0; x < plane.width(); ++x) {
-      const float alpha = alpha_->row(y)[x];
-      const float divisor = power == 2 ? alpha * alpha : alpha;
+      const float divisor = factor(alpha_->row(y)[x], power);
       out.row(y)[x] = divisor > 0.0F ? plane.row(y)[x] / divisor : 0.0F;
     }
   }

@@ -18,6 +18,11 @@ struct Pool {
   double risk = 0;
   double pixels = 0;
   std::size_t bins = 0;
+  void add(const Pool& other) {
+    risk += other.risk;
+    pixels += other.pixels;
+    bins += other.bins;
+  }
   [[nodiscard]] double mean() const { return risk / pixels; }
 };
 
@@ -54,7 +59,7 @@ void ErrorCalibration::fit() {
     // Pool adjacent violators.
     while (!pools.empty() &&
            (last.pixels < kFewestPixels || pools.back().pixels < kFewestPixels || pools.back().mean() >= last.mean())) {
-      last = {last.risk + pools.back().risk, last.pixels + pools.back().pixels, last.bins + pools.back().bins};
+      last.add(pools.back());
       pools.pop_back();
     }
     pools.push_back(last);
@@ -62,10 +67,7 @@ void ErrorCalibration::fit() {
   // What lies below 0 is pooled from the lower end, until the mean is 0 or more.
   std::size_t positive = 0;
   Pool low;
-  while (positive < pools.size() && (low.pixels == 0 || low.mean() < 0)) {
-    low = {low.risk + pools[positive].risk, low.pixels + pools[positive].pixels, low.bins + pools[positive].bins};
-    ++positive;
-  }
+  while (positive < pools.size() && (low.pixels == 0 || low.mean() < 0)) low.add(pools[positive++]);
   pools.erase(pools.begin(), pools.begin() + static_cast<std::ptrdiff_t>(positive));
   pools.insert(pools.begin(), low);
   auto* out = errors_.begin();

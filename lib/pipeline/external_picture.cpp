@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Joint SURE: Li, "Joint Stein's Unbiased Risk Estimation for Adaptive Sampling and Reconstruction", 2017.
 #include "pipeline/external_picture.hpp"
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include "core/parameter_check.hpp"
 #include "core/validity.hpp"
 #include "pipeline/mixture.hpp"
+#include "risk/sure.hpp"
 #include "stein/error.hpp"
 
 namespace stein {
@@ -151,12 +150,8 @@ class Pictures {
         const auto channel = static_cast<std::size_t>(c);
         moved.direction_row(channel, y, 0, frame_.width, b);
         image[channel].read_row(y, 0, frame_.width, F_moved.data());
-        const float* F = out_.result(c, y);
-        float* D = out_.divergence(c, y);
-        for (int x = 0; x < frame_.width; ++x) {
-          // An unusable pixel does not move, and may hold anything.
-          if (b[x] != 0.0F) D[x] += factor * b[x] * (F_moved[static_cast<std::size_t>(x)] - F[x]);
-        }
+        // An unusable pixel does not move.
+        add_draw_row(b, F_moved.data(), out_.result(c, y), factor, frame_.width, out_.divergence(c, y));
       }
     });
   }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Joint SURE: Li, "Joint Stein's Unbiased Risk Estimation for Adaptive Sampling and Reconstruction", 2017.
 #include "pipeline/filter_runs.hpp"
 
+#include <algorithm>
 #include <numeric>
 #include <string>
 
+#include "risk/sure.hpp"
 #include "select/selection.hpp"
 #include "stein/error.hpp"
 
@@ -99,8 +99,6 @@ void FilterRuns::add_stages(const CutTile& wanted_rows, const TileStep& then, st
   }
 }
 
-// Monte Carlo SURE: D = b (F(y + step b) - F(y)) / step, mean over the draws. With b of the joint covariance of colour
-// and features its expectation is the sum of both derivative terms of Joint SURE Eq. 2.
 void FilterRuns::add_draw(const Run& draw, const Rect& tile, float* b) const {
   const int n = tile.width();
   const float factor = 1.0F / (plan_.monte_carlo.step * static_cast<float>(plan_.monte_carlo.draws));
@@ -111,10 +109,9 @@ void FilterRuns::add_draw(const Run& draw, const Rect& tile, float* b) const {
     for (int c = 0; c < 3; ++c) {
       draw.perturbed->direction_row(static_cast<std::size_t>(c), y, tile.x0, n, b);
       for (int k = 0; k + 1 < entries_; ++k) {
-        const float* F = base.result(k, c, y) + tile.x0;
-        const float* F_moved = moved.result(k, c, y) + tile.x0;
         float* D = base.divergence(k, c, y) + tile.x0;
-        for (int i = 0; i < n; ++i) D[i] = (is_first ? 0.0F : D[i]) + factor * b[i] * (F_moved[i] - F[i]);
+        if (is_first) std::fill_n(D, n, 0.0F);
+        add_draw_row(b, moved.result(k, c, y) + tile.x0, base.result(k, c, y) + tile.x0, factor, n, D);
       }
     }
   }
