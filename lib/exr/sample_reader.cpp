@@ -139,7 +139,9 @@ bool SampleReader::read_row(std::vector<std::uint32_t>& counts, std::vector<floa
     data.row.decode(data.chunk.data(), data.chunk.size());
     const std::size_t channels = data.selection.size();
     samples.resize(data.row.samples() * channels);
-    for (std::size_t k = 0; k < channels; ++k) data.row.read(data.selection[k], samples.data() + k, channels);
+    if (!samples.empty()) {  // else there is no address to add k to
+      for (std::size_t k = 0; k < channels; ++k) data.row.read(data.selection[k], samples.data() + k, channels);
+    }
     counts = data.row.counts();
   });
   ++data.rows_read;

@@ -55,6 +55,29 @@ TEST_CASE("compare: the error that an image claims stands next to the true one")
   CHECK(text.out.find("  estimated   0.3\n") != std::string::npos);
 }
 
+TEST_CASE("compare: what the reference says of its noise is taken off") {
+  const TemporaryFolder folder;
+  Channels reference = flat_image(16, 12, 2);
+  for (const auto& [name, value] : {std::pair{"variance.R", 0.01F}, {"variance.G", 0.02F}, {"variance.B", 0.06F}}) {
+    reference.values[name].assign(16 * 12, value);
+  }
+  write(folder / "reference.exr", reference);
+  write(folder / "image.exr", flat_image(16, 12, 2.5F));
+  const nlohmann::json figures = compare_json(folder / "image.exr", folder / "reference.exr");
+  CHECK(figures.at("mse") == Approx(0.25));
+  CHECK(figures.at("mse_without_reference_noise") == Approx(0.22));
+  CHECK(figures.at("relative_mse_without_reference_noise") == Approx(0.22 / 4.01));
+  const Outcome text = run_stein({"compare", folder / "image.exr", folder / "reference.exr"});
+  CHECK(text.out.find("  true        0.22 without the reference's noise of 0.03\n") != std::string::npos);
+
+  reference.values["variance.G"][7] = -1;
+  write(folder / "unknown.exr", reference);
+  const Outcome unknown = run_stein({"compare", folder / "image.exr", folder / "unknown.exr"});
+  CHECK(unknown.exit_code == 0);
+  CHECK(unknown.out.find("true") == std::string::npos);
+  CHECK(unknown.err.find("unknown.exr: variances that are negative or no numbers") != std::string::npos);
+}
+
 TEST_CASE("compare: images of different sizes are refused") {
   const TemporaryFolder folder;
   write(folder / "a.exr", flat_image(8, 6, 1));
