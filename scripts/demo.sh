@@ -12,7 +12,7 @@ cmake --build --preset release --target stein_cli pathtracer
 
 stein=build/release/examples/cli/stein
 pathtracer=build/release/examples/pathtracer/pathtracer
-reference=examples/data/tea_table_reference.exr  # seed 1000, 1024 samples per pixel; R, G, B in half
+reference=examples/data/tea_table_reference.exr  # seeds 1000 and 2000, 1024 samples each; half
 render=(--scene tea-table --size 320x240 --samples 16)
 mkdir -p out
 
@@ -23,7 +23,7 @@ printf '\nRendering, 16 samples per pixel; then as many samples, where they lowe
 
 printf '\nBefore (16 samples per pixel), against the reference:\n'
 "$stein" compare out/uniform.exr "$reference"
-printf '\nDenoised; "estimated" is what stein says without knowing the reference:\n'
+printf '\nDenoised; "estimated" is what stein says without knowing the reference, to be compared with "true":\n'
 "$stein" compare out/uniform_denoised.exr "$reference"
 printf '\nAdaptive and denoised:\n'
 "$stein" compare out/adaptive_denoised.exr "$reference"
