@@ -11,18 +11,7 @@
 #include "catch.hpp"
 #include "stein/error.hpp"
 
-using stein::Accumulator;
-using stein::ErrorCode;
-using stein::Moments;
-using stein::test::at;
-using stein::test::draw_sample;
-using stein::test::kChannels;
-using stein::test::moment_channels;
-using stein::test::pixel_of;
-using stein::test::Random;
-using stein::test::Sample;
-using stein::test::usual_layout;
-
+namespace stein::test {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -263,3 +252,5 @@ TEST_CASE("accumulator: threads share it where their pixels differ") {
   odd.join();
   CHECK(std::equal(shared.state().begin(), shared.state().end(), alone.state().begin()));
 }
+
+}  // namespace stein::test

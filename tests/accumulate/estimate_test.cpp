@@ -9,18 +9,7 @@
 #include "accumulate/samples.hpp"
 #include "catch.hpp"
 
-using stein::Accumulator;
-using stein::Estimate;
-using stein::Moments;
-using stein::test::at;
-using stein::test::draw_sample;
-using stein::test::kChannels;
-using stein::test::moment_channels;
-using stein::test::pixel_of;
-using stein::test::Random;
-using stein::test::Sample;
-using stein::test::usual_layout;
-
+namespace stein::test {
 namespace {
 
 std::vector<float> as_floats(const std::vector<double>& values) { return {values.begin(), values.end()}; }
@@ -127,3 +116,5 @@ TEST_CASE("estimates: what cannot be used is refused or repaired") {
   CHECK(at(moments.frame().features[0].mean[0]) == 0.25);
   CHECK(at(moments.frame().features[0].variance[0]) == Approx(0.25 * 4 * 3 * 4 / (16 * 15)));
 }
+
+}  // namespace stein::test

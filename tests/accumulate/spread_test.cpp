@@ -9,15 +9,7 @@
 #include "accumulate/samples.hpp"
 #include "catch.hpp"
 
-using stein::Accumulator;
-using stein::test::draw_sample;
-using stein::test::kChannels;
-using stein::test::moment_channels;
-using stein::test::pixel_of;
-using stein::test::Random;
-using stein::test::Sample;
-using stein::test::usual_layout;
-
+namespace stein::test {
 namespace {
 
 constexpr std::size_t kSeeds = 256;
@@ -89,3 +81,5 @@ TEST_CASE("accumulator: the noise that one run predicts is how runs differ") {
     CHECK(std::abs(mean - spread.covariance) <= 4 * std::sqrt(spread.variance + of_one_run / kSeeds) + 1e-12);
   }
 }
+
+}  // namespace stein::test

@@ -7,10 +7,8 @@
 #include "expect_error.hpp"
 #include "fixture.hpp"
 
-using fixture::native_channels;
-using fixture::result_for;
-using fixture::TemporaryFolder;
-using fixture::write_file;
+namespace fixture {
+
 using stein::DenoiseResult;
 using stein::ErrorCode;
 using stein::exr::LoadedFrame;
@@ -82,3 +80,5 @@ TEST_CASE("writing is told chunk by chunk, and leaves nothing where it is cancel
     CHECK(folder.names() == std::vector<std::string>{"in.exr", "whole.exr"});
   }
 }
+
+}  // namespace fixture

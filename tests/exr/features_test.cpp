@@ -7,12 +7,8 @@
 #include "expect_error.hpp"
 #include "fixture.hpp"
 
-using fixture::ChannelSpec;
-using fixture::colour_channels;
-using fixture::holds;
-using fixture::layer;
-using fixture::TemporaryFolder;
-using fixture::write_file;
+namespace fixture {
+
 using stein::ErrorCode;
 using stein::Frame;
 using stein::exr::LoadedFrame;
@@ -170,3 +166,5 @@ TEST_CASE("covariances") {
     CHECK(says(read_frame(path), "risk is plain SURE"));
   }
 }
+
+}  // namespace fixture

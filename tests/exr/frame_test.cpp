@@ -12,17 +12,8 @@
 #include "fixture.hpp"
 #include "stein/accumulate.hpp"
 
-using fixture::channel_names;
-using fixture::ChannelSpec;
-using fixture::colour_channels;
-using fixture::header_of;
-using fixture::layer;
-using fixture::native_channels;
-using fixture::parts_of;
-using fixture::read_raw;
-using fixture::Storage;
-using fixture::TemporaryFolder;
-using fixture::write_file;
+namespace fixture {
+
 using stein::ErrorCode;
 using stein::Frame;
 using stein::exr::LoadedFrame;
@@ -143,3 +134,5 @@ TEST_CASE("files without variances are read where they need not have any") {
   expect_error(ErrorCode::kInvalidFrame, {"variance.G, variance.B"},
                [&] { (void)read_frame(folder / "half.exr", {.require_variance = false}); });
 }
+
+}  // namespace fixture

@@ -13,10 +13,8 @@
 #include "fixture.hpp"
 #include "stein/exr_samples.hpp"
 
-using fixture::bytes_of;
-using fixture::TemporaryFolder;
-using fixture::write_bytes;
-using fixture::write_deep_file;
+namespace fixture {
+
 using stein::Error;
 using stein::ErrorCode;
 using stein::exr::SampleReader;
@@ -217,3 +215,5 @@ TEST_CASE("flipped bits in samples never crash") {
   }
   CHECK(folder.entries() == 2);
 }
+
+}  // namespace fixture

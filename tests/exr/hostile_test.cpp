@@ -13,16 +13,8 @@
 #include "expect_error.hpp"
 #include "fixture.hpp"
 
-using fixture::bytes_of;
-using fixture::colour_channels;
-using fixture::layer;
-using fixture::native_channels;
-using fixture::PartSpec;
-using fixture::result_for;
-using fixture::Storage;
-using fixture::TemporaryFolder;
-using fixture::write_bytes;
-using fixture::write_file;
+namespace fixture {
+
 using stein::Error;
 using stein::ErrorCode;
 using stein::exr::LoadedFrame;
@@ -196,3 +188,5 @@ TEST_CASE("flipped bits never crash, and never leave a file behind on failure") 
     CHECK(folder.entries() == (written ? 3U : 2U));
   }
 }
+
+}  // namespace fixture

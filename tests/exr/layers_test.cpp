@@ -5,14 +5,8 @@
 #include "expect_error.hpp"
 #include "fixture.hpp"
 
-using fixture::ChannelSpec;
-using fixture::colour_channels;
-using fixture::holds;
-using fixture::layer;
-using fixture::read_raw;
-using fixture::result_for;
-using fixture::TemporaryFolder;
-using fixture::write_file;
+namespace fixture {
+
 using stein::ErrorCode;
 using stein::Plane;
 using stein::exr::LoadedFrame;
@@ -133,3 +127,5 @@ TEST_CASE("straight alpha: the result needs the layer that divides it, and frame
   expect_error(ErrorCode::kUnsupported, {"read as straight"},
                [&] { stein::exr::write_frame(folder / "out.exr", loaded.frame(), loaded); });
 }
+
+}  // namespace fixture

@@ -5,12 +5,8 @@
 #include "expect_error.hpp"
 #include "fixture.hpp"
 
-using fixture::ChannelSpec;
-using fixture::colour_channels;
-using fixture::holds;
-using fixture::layer;
-using fixture::TemporaryFolder;
-using fixture::write_file;
+namespace fixture {
+
 using stein::ErrorCode;
 using stein::Frame;
 using stein::exr::LoadedFrame;
@@ -61,3 +57,5 @@ TEST_CASE("covariances are of the file's own colour") {
   CHECK(loaded.frame().features.at(0).colour_covariance.empty());
   CHECK(loaded.frame().features.at(0).variance.size() == 1);
 }
+
+}  // namespace fixture

@@ -9,12 +9,8 @@
 #include "exr/file_size_limit.hpp"
 #include "fixture.hpp"
 
-using fixture::bytes_of;
-using fixture::colour_channels;
-using fixture::native_channels;
-using fixture::Storage;
-using fixture::TemporaryFolder;
-using fixture::write_file;
+namespace fixture {
+
 using stein::DenoiseParams;
 using stein::DenoiseResult;
 using stein::Memory;
@@ -123,3 +119,5 @@ TEST_CASE("limited memory: no room for the planes of a file is told before it is
   expect_error(stein::ErrorCode::kIo, {folder.path().string(), "no room for", "bytes", "--scratch"},
                [&] { (void)read_frame(folder / "in.exr", options); });
 }
+
+}  // namespace fixture

@@ -7,12 +7,8 @@
 #include "expect_error.hpp"
 #include "fixture.hpp"
 
-using fixture::colour_channels;
-using fixture::holds;
-using fixture::layer;
-using fixture::Storage;
-using fixture::TemporaryFolder;
-using fixture::write_file;
+namespace fixture {
+
 using stein::ConstPlaneView;
 using stein::ErrorCode;
 using stein::ScalarType;
@@ -89,3 +85,5 @@ TEST_CASE("planes that make no file are refused") {
   expect_error(code, {path, "a", "empty"}, [&] { write_planes(path, {{"a", ConstPlaneView()}}); });
   CHECK(folder.entries() == 0);
 }
+
+}  // namespace fixture

@@ -10,15 +10,8 @@
 #include "expect_error.hpp"
 #include "fixture.hpp"
 
-using fixture::ChannelSpec;
-using fixture::colour_channels;
-using fixture::holds;
-using fixture::layer;
-using fixture::native_channels;
-using fixture::PartSpec;
-using fixture::Storage;
-using fixture::TemporaryFolder;
-using fixture::write_file;
+namespace fixture {
+
 using stein::ErrorCode;
 using stein::Frame;
 using stein::ScalarType;
@@ -249,3 +242,5 @@ TEST_CASE("what cannot be read is named") {
     expect_error(ErrorCode::kUnsupported, {path, "deep"}, [&] { (void)read_frame(path); });
   }
 }
+
+}  // namespace fixture

@@ -8,13 +8,8 @@
 #include "file_size_limit.hpp"
 #include "fixture.hpp"
 
-using fixture::bytes_of;
-using fixture::native_channels;
-using fixture::read_raw;
-using fixture::result_for;
-using fixture::TemporaryFolder;
-using fixture::write_bytes;
-using fixture::write_file;
+namespace fixture {
+
 using stein::DenoiseResult;
 using stein::ErrorCode;
 using stein::exr::LoadedFrame;
@@ -126,3 +121,5 @@ TEST_CASE("a result of another size is refused") {
                [&] { write_result(folder / "out.exr", source, result); });
   CHECK(folder.entries() == 1);
 }
+
+}  // namespace fixture

@@ -12,11 +12,8 @@
 #include "fixture.hpp"
 #include "stein/exr_samples.hpp"
 
-using fixture::DeepSpec;
-using fixture::row_counts;
-using fixture::row_samples;
-using fixture::TemporaryFolder;
-using fixture::write_deep_file;
+namespace fixture {
+
 using stein::ErrorCode;
 using stein::exr::PlanesWriter;
 using stein::exr::SampleLayer;
@@ -274,3 +271,5 @@ TEST_CASE("planes next to samples keep the window and the attributes") {
   CHECK(Imf::owner(fixture::header_of(path)) == "a studio");
   CHECK(folder.entries() == 2);
 }
+
+}  // namespace fixture

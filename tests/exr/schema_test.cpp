@@ -12,11 +12,8 @@
 #include "expect_error.hpp"
 #include "fixture.hpp"
 
-using fixture::ChannelSpec;
-using fixture::holds;
-using fixture::layer;
-using fixture::TemporaryFolder;
-using fixture::write_file;
+namespace fixture {
+
 using stein::ErrorCode;
 using stein::Feature;
 using stein::Frame;
@@ -297,3 +294,5 @@ TEST_CASE("variances against the schema") {
   CHECK(variance(VarianceOf::kSample) == 3);
   CHECK(variance(VarianceOf::kSecondMoment) == 4);
 }
+
+}  // namespace fixture

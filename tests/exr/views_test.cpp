@@ -10,15 +10,8 @@
 #include "expect_error.hpp"
 #include "fixture.hpp"
 
-using fixture::channel_names;
-using fixture::ChannelSpec;
-using fixture::colour_channels;
-using fixture::holds;
-using fixture::layer;
-using fixture::read_raw;
-using fixture::result_for;
-using fixture::TemporaryFolder;
-using fixture::write_file;
+namespace fixture {
+
 using stein::DenoiseResult;
 using stein::ErrorCode;
 using stein::Plane;
@@ -166,3 +159,5 @@ TEST_CASE("views: what cannot be is refused by name") {
   expect_error(ErrorCode::kInvalidArgument, {"no result"}, [&] { write_results(folder / "out.exr", {}); });
   CHECK_FALSE(std::filesystem::exists(folder / "out.exr"));
 }
+
+}  // namespace fixture

@@ -15,20 +15,8 @@
 #include "expect_error.hpp"
 #include "fixture.hpp"
 
-using fixture::bytes_of;
-using fixture::channel_names;
-using fixture::ChannelSpec;
-using fixture::colour_channels;
-using fixture::header_of;
-using fixture::layer;
-using fixture::native_channels;
-using fixture::PartSpec;
-using fixture::read_raw;
-using fixture::result_for;
-using fixture::Storage;
-using fixture::TemporaryFolder;
-using fixture::write_bytes;
-using fixture::write_file;
+namespace fixture {
+
 using stein::DenoiseResult;
 using stein::ErrorCode;
 using stein::Plane;
@@ -244,3 +232,5 @@ TEST_CASE("results of an earlier run are replaced") {
   CHECK_FALSE(has(channel_names(folder / "out.exr"), "error.R"));
   CHECK(read_raw(folder / "out.exr", 0, "noisy.R") == read_raw(folder / "in.exr", 0, "R"));
 }
+
+}  // namespace fixture

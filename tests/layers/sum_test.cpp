@@ -3,23 +3,16 @@
 // Layers that sum up to the colour sum up to the filtered colour, whatever the filter.
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "catch.hpp"
 #include "layers/split.hpp"
+#include "support/same_bits.hpp"
 
 namespace stein::test {
 namespace {
-
-bool same_bits(const Plane& a, const Plane& b) {
-  for (int y = 0; y < a.height(); ++y) {
-    if (std::memcmp(a.row(y), b.row(y), static_cast<std::size_t>(a.width()) * sizeof(float)) != 0) return false;
-  }
-  return true;
-}
 
 bool same_layers(const DenoiseResult& a, const DenoiseResult& b) {
   for (std::size_t l = 0; l < a.layers.size(); ++l) {

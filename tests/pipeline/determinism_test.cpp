@@ -1,22 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstring>
 #include <limits>
 #include <tuple>
 #include <vector>
 
 #include "catch.hpp"
 #include "stein/denoise.hpp"
+#include "support/same_bits.hpp"
 #include "support/synthetic.hpp"
 
 namespace stein::test {
 namespace {
-
-bool same_bits(const Plane& a, const Plane& b) {
-  for (int y = 0; y < a.height(); ++y) {
-    if (std::memcmp(a.row(y), b.row(y), static_cast<std::size_t>(a.width()) * sizeof(float)) != 0) return false;
-  }
-  return true;
-}
 
 bool same_bits(const DenoiseResult& a, const DenoiseResult& b) {
   for (std::size_t c = 0; c < 3; ++c) {

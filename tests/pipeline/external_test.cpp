@@ -2,7 +2,6 @@
 //
 // Images of other denoisers among the filters' own.
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
@@ -17,6 +16,7 @@
 #include "stein/denoise.hpp"
 #include "stein/error.hpp"
 #include "support/noisy_scene.hpp"
+#include "support/same_bits.hpp"
 
 namespace stein::test {
 namespace {
@@ -89,13 +89,6 @@ std::string refusal(const Frame& frame, const DenoiseParams& params, ErrorCode c
 }
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-bool same_bits(const Plane& a, const Plane& b) {
-  for (int y = 0; y < a.height(); ++y) {
-    if (std::memcmp(a.row(y), b.row(y), static_cast<std::size_t>(a.width()) * sizeof(float)) != 0) return false;
-  }
-  return true;
-}
 
 }  // namespace
 

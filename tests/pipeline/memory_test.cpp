@@ -3,7 +3,6 @@
 // Under a memory limit that sends everything to scratch files results have the bits that they have without.
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "exr/file_size_limit.hpp"
 #include "stein/denoise.hpp"
 #include "stein/options.hpp"
+#include "support/same_bits.hpp"
 #include "support/synthetic.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -20,13 +20,6 @@ namespace stein::test {
 namespace {
 
 constexpr std::int64_t kLeast = std::int64_t{1} << 27;
-
-bool same_bits(const Plane& a, const Plane& b) {
-  for (int y = 0; y < a.height(); ++y) {
-    if (std::memcmp(a.row(y), b.row(y), static_cast<std::size_t>(a.width()) * sizeof(float)) != 0) return false;
-  }
-  return a.width() == b.width() && a.height() == b.height();
-}
 
 bool same_bits(const DenoiseResult& a, const DenoiseResult& b) {
   bool same = same_bits(a.choice, b.choice) && same_bits(a.density, b.density) && a.layers.size() == b.layers.size();
