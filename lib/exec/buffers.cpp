@@ -43,7 +43,8 @@ void TilePlanes::reserve(const TileLayout& layout, int planes) {
   buffer_.reserve(static_cast<std::size_t>(layout.plane_stride * planes + kLine));
 }
 
-RowRing::RowRing(int planes, int width, int capacity, Memory* memory, Memory::Use use) : capacity_(capacity) {
+RowRing::RowRing(int planes, int width, int capacity, Memory* memory, Memory::Use use)
+    : planes_(planes), capacity_(capacity) {
   pitch_ = ((round_up(width, kLine) + 2 * kPadding) / kLine | 1) * kLine;
   plane_stride_ = staggered(pitch_ * capacity);
   buffer_.reserve(static_cast<std::size_t>(plane_stride_ * planes + kPadding), memory, use);

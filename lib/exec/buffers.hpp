@@ -70,9 +70,11 @@ class RowRing {
     return buffer_.data() + plane * plane_stride_ + static_cast<std::ptrdiff_t>(y % capacity_) * pitch_ + kPadding;
   }
   [[nodiscard]] int capacity() const noexcept { return capacity_; }
+  [[nodiscard]] int planes() const noexcept { return planes_; }
 
  private:
   FloatBuffer buffer_;
+  int planes_ = 0;
   std::ptrdiff_t pitch_ = 0;
   std::ptrdiff_t plane_stride_ = 0;
   int capacity_ = 1;

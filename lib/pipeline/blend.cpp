@@ -294,6 +294,12 @@ void Blend::run(const Rect& tile, const Mixture& out, float* lines, std::ptrdiff
       return pictures_[static_cast<std::size_t>(k)].rows.plane(plane, y) + tile.x0;
     };
     mix_row(source_, layers_, picture, maps, count_, tile, y, out.rows);
+    float* optimism = out.rows.optimism(y) + tile.x0;
+    std::fill_n(optimism, n, 0.0F);
+    for (int k = 1; k < count_; ++k) {
+      const float* own = pictures_[static_cast<std::size_t>(k - 1)].rows.optimism(y) + tile.x0;
+      for (int i = 0; i < n; ++i) optimism[i] += maps[k][i] * own[i];
+    }
   }
 }
 

@@ -195,18 +195,12 @@ void ChoiceStages::mix(const Rect& tile, int /*slot*/) {
     const CandidateRows candidates = runs_.candidates();
     const auto candidate = [&](int k, int plane) { return candidates.row(k, plane, y) + tile.x0; };
     mix_row(source_, runs_.layers(), candidate, maps, entries_, tile, y, out_.rows);
-    if (weighs_evidence_) add_optimism(tile, y);
-  }
-}
-
-// What the choice adds to the dependence on a pixel's own noise, from relative risks to those of the channels, which
-// have 2 D.
-void ChoiceStages::add_optimism(const Rect& tile, int y) {
-  const float* optimism = weights_.row(entries_, y) + tile.x0;
-  for (int c = 0; c < 3; ++c) {
-    const float* scale = runs_.candidates().result(runs_.common_candidate(), c, y) + tile.x0;
-    float* D = out_.rows.divergence(c, y) + tile.x0;
-    for (int i = 0; i < tile.width(); ++i) D[i] += 0.5F * optimism[i] * (scale[i] * scale[i] + kRelativeEpsilon);
+    float* optimism = out_.rows.optimism(y) + tile.x0;
+    if (weighs_evidence_) {
+      std::copy_n(weights_.row(entries_, y) + tile.x0, tile.width(), optimism);
+    } else {
+      std::fill_n(optimism, tile.width(), 0.0F);
+    }
   }
 }
 

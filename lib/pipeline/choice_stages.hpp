@@ -47,7 +47,6 @@ class ChoiceStages {
   void pick(const Rect& tile, int slot);
   void weigh(const Rect& tile, int y, float* const* maps, float* lines);
   void mix(const Rect& tile, int slot);
-  void add_optimism(const Rect& tile, int y);
 
   [[nodiscard]] float* lines_of(int slot) { return lines_[static_cast<std::size_t>(slot)].data(); }
 

@@ -90,10 +90,12 @@ void ErrorStages::assess_row(const Rect& tile, int y, float* lines) {
     source_.input_row(channel, y, tile.x0, n, mean, variance);
     const float* filtered = filtered_.result(c, y) + tile.x0;
     const float* divergence = filtered_.divergence(c, y) + tile.x0;
+    const float* optimism = filtered_.optimism(y) + tile.x0;  // of relative risks, which have 2 D
     float* F = result_.colour[channel].row(y) + tile.x0;
     for (int i = 0; i < n; ++i) {
       F[i] = strength * filtered[i] + (1.0F - strength) * mean[i];
-      D[i] = strength * divergence[i] + (1.0F - strength) * variance[i];
+      const float own = divergence[i] + 0.5F * optimism[i] * (filtered[i] * filtered[i] + kRelativeEpsilon);
+      D[i] = strength * own + (1.0F - strength) * variance[i];
     }
     energy_.add_colour(c, y, tile.x0, n, strength, F);
     float* risk = risks_.row(c, y) + tile.x0;

@@ -20,7 +20,7 @@ void mix_row(const Source& source, const LayerSource& layers,
              const std::function<const float*(int k, int plane)>& entry, const float* const* weights, int entries,
              const Rect& tile, int y, const MixtureRows& out) {
   const int n = tile.width();
-  for (int plane = 0; plane < MixtureRows::planes(layers.channels()); ++plane) {
+  for (int plane = 0; plane < MixtureRows::kLayers + layers.channels(); ++plane) {
     float* sum = out.plane(plane, y) + tile.x0;
     input_row(source, layers, plane, y, tile.x0, n, sum);
     for (int i = 0; i < n; ++i) sum[i] *= weights[0][i];

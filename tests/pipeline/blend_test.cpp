@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Several filters, mixed.
+#include "pipeline/blend.hpp"
+
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
@@ -114,6 +116,43 @@ TEST_CASE("several filters: none, and too many, are refused") {
       CHECK(std::string(error.what()).find("number of filters") != std::string::npos);
     }
   }
+}
+
+TEST_CASE("several filters: what a choice adds to a picture's risk is mixed, but does not count against the picture") {
+  constexpr int kWidth = 40;
+  constexpr int kHeight = 24;
+  OwnedFrame frame(kWidth, kHeight, kUsualFeatures);
+  fill_random(frame, 9);
+  const FrameReport report = inspect(frame.frame());
+  const Source source(frame.frame(), report);
+  const LayerSource layers(frame.frame(), report, source);
+  exec::Runner runner(Execution{});
+  const exec::RowRing first(MixtureRows::planes(0), kWidth, kHeight);
+  const exec::RowRing second(MixtureRows::planes(0), kWidth, kHeight);
+  const std::vector<BlendPicture> pictures = {{MixtureRows(first), false}, {MixtureRows(second), false}};
+  for (int y = 0; y < kHeight; ++y) {
+    for (int c = 0; c < 3; ++c) {
+      for (int x = 0; x < kWidth; ++x) {  // off to either side: half of each is best
+        const float mean = frame.frame().colour[static_cast<std::size_t>(c)].at(x, y);
+        pictures[0].rows.result(c, y)[x] = mean + 0.2F;
+        pictures[1].rows.result(c, y)[x] = mean - 0.2F;
+      }
+    }
+  }
+  const auto weights_for = [&](float optimism) {
+    for (int y = 0; y < kHeight; ++y) std::fill_n(pictures[0].rows.optimism(y), kWidth, optimism);
+    return Blend(source, layers, pictures, runner, 0.0).mean_weights();
+  };
+  const MixtureWeights without = weights_for(0.0F);
+  CHECK(without[1] > 0.3F);
+  CHECK(weights_for(0.5F) == without);
+
+  const Blend blend(source, layers, pictures, runner, 0.0);
+  const exec::RowRing mixed(MixtureRows::planes(0), kWidth, kHeight);
+  Plane choice(kWidth, kHeight);
+  std::vector<float> lines(3 * kWidth);
+  blend.run({0, 0, kWidth, kHeight}, {MixtureRows(mixed), &choice}, lines.data(), kWidth);
+  CHECK(MixtureRows(mixed).optimism(kHeight / 2)[kWidth / 2] == Approx(0.5F * without[1]).epsilon(0.2));
 }
 
 }  // namespace stein::test

@@ -11,6 +11,8 @@
 namespace stein::test {
 namespace {
 
+using stein::test::same_bits;  // of planes, beside that of results
+
 bool same_bits(const DenoiseResult& a, const DenoiseResult& b) {
   for (std::size_t c = 0; c < 3; ++c) {
     if (!same_bits(a.colour[c], b.colour[c]) || !same_bits(a.error[c], b.error[c])) return false;

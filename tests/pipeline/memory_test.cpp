@@ -21,6 +21,8 @@ namespace {
 
 constexpr std::int64_t kLeast = std::int64_t{1} << 27;
 
+using stein::test::same_bits;  // of planes, beside that of results
+
 bool same_bits(const DenoiseResult& a, const DenoiseResult& b) {
   bool same = same_bits(a.choice, b.choice) && same_bits(a.density, b.density) && a.layers.size() == b.layers.size();
   for (std::size_t c = 0; c < 3; ++c) same = same && same_bits(a.colour[c], b.colour[c]);
