@@ -106,6 +106,10 @@ struct RpfParams {
   int draws = 0;
   float step = 0.05F;  ///< of the perturbation, [1e-3..1] standard deviations of a pixel's noise
 
+  /// The passes lose light where few samples hold most of it. What a pixel lost is estimated from the pixels around it,
+  /// under a Gaussian of this deviation, and given back. [0..16] px; 0: lost it is, as in the paper.
+  float return_sigma = 5.0F;
+
   /// @throws Error kInvalidArgument naming the parameter, its value and its range.
   void check() const;
 };
