@@ -66,7 +66,7 @@ struct RpfParams {
 
   /// sigma_8^2 of sec. 4.5.1 for colours and for features, [1e-6..100]: see kRpfNoisy and kRpfDetail. The paper
   /// has one for both.
-  float colour_variance = 0.05F;
+  float colour_variance = 0.2F;
   float feature_variance = 0.002F;
   /// Least 1 - W_c^r that divides the variance of the features, but for those in `unclustered`, [0..1]; 0: the paper's.
   float least_feature_share = 0.3F;
