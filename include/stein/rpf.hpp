@@ -66,7 +66,7 @@ struct RpfParams {
 
   /// sigma_8^2 of sec. 4.5.1 for colours and for features, [1e-6..100]: see kRpfNoisy and kRpfDetail. The paper
   /// has one for both.
-  float colour_variance = 0.05F;
+  float colour_variance = 0.2F;
   float feature_variance = 0.002F;
   /// Least 1 - W_c^r that divides the variance of the features, but for those in `unclustered`, [0..1]; 0: the paper's.
   float least_feature_share = 0.3F;
@@ -105,6 +105,10 @@ struct RpfParams {
   /// Runs on perturbed samples that the estimated error is made of, [0..16]; 0: no error is estimated.
   int draws = 0;
   float step = 0.05F;  ///< of the perturbation, [1e-3..1] standard deviations of a pixel's noise
+
+  /// The passes lose light where few samples hold most of it. What a pixel lost is estimated from the pixels around it,
+  /// under a Gaussian of this deviation, and given back. [0..16] px; 0: lost it is, as in the paper.
+  float return_sigma = 5.0F;
 
   /// @throws Error kInvalidArgument naming the parameter, its value and its range.
   void check() const;

@@ -44,6 +44,7 @@ void RpfParams::check() const {
   require_in_range("rpf: search_radius", static_cast<float>(search_radius), 0.0F, 32.0F, "px");
   require_in_range("rpf: draws", static_cast<float>(draws), 0.0F, 16.0F);
   require_in_range("rpf: step", step, 1e-3F, 1.0F);
+  require_in_range("rpf: return_sigma", return_sigma, 0.0F, 16.0F, "px");
 }
 
 RpfParams paper_rpf(float variance) {
@@ -60,6 +61,7 @@ RpfParams paper_rpf(float variance) {
   params.pass_growth = 0.1F;
   params.colour_unit = RpfColourUnit::kFiltered;
   params.spikes = RpfSpikes::kReset;
+  params.return_sigma = 0;
   return params;
 }
 

@@ -7,10 +7,12 @@
 #include <algorithm>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <string>
 
 #include "exec/runner.hpp"
 #include "rpf/error_rows.hpp"
+#include "rpf/light_return.hpp"
 #include "rpf/pixel_filter.hpp"
 #include "stein/error.hpp"
 
@@ -18,19 +20,20 @@ namespace stein {
 namespace {
 
 using rpf::ErrorRows;
+using rpf::LightReturn;
 using rpf::PixelFilter;
 using rpf::RecordLayout;
 using rpf::SampleRows;
 
 constexpr int kBandRows = 16;
-constexpr int kTileWidth = 16;
+constexpr int kTileWidth = LightReturn::kSpan;
 constexpr int kTileHeight = 8;
 
 /// One set of samples on its way through the passes: the frame's, those of a frame beside it, or moved ones.
 struct Chain {
   SampleRows rows;
   std::vector<const Chain*> adjacent;  ///< whose samples join the neighbourhoods
-  std::vector<int> done;               ///< rows that each pass is through with
+  std::vector<int> done;               ///< rows that each stage is through with
 };
 
 class RpfRun {
@@ -44,9 +47,10 @@ class RpfRun {
   void add_chain(const SampleSource& source);
   void read_rows(int end);
   void advance(Chain& chain);
-  void run_pass(Chain& chain, int pass, int end);
+  void run_stage(Chain& chain, int stage, int end);
+  void run_span(Chain& chain, const std::vector<const SampleRows*>& adjacent, int stage, int x0, int y, int slot);
   void emit(const RpfSink& sink);
-  [[nodiscard]] int halo(const Chain& chain, int pass) const;
+  [[nodiscard]] int halo(const Chain& chain, int stage) const;
   [[nodiscard]] Chain& frame() { return *chains_[adjacent_count_]; }
   [[nodiscard]] RpfReport report();
 
@@ -54,6 +58,8 @@ class RpfRun {
   const RpfParams& params_;
   RecordLayout layout_;
   int passes_;
+  std::optional<LightReturn> light_;  // the stage after the passes
+  int stages_;
   std::size_t adjacent_count_;
   std::vector<rpf::OffsetTable> tables_;
   exec::Runner runner_;
@@ -93,9 +99,14 @@ RpfRun::RpfRun(const SampleSource& source, const RpfParams& params, const Execut
       params_(params),
       layout_(rpf::make_layout(source, params)),
       passes_(static_cast<int>(params.boxes.size())),
+      stages_(passes_),
       adjacent_count_(adjacent.size()),
       runner_(execution) {
   for (const int box : params.boxes) tables_.emplace_back(box);
+  if (params.return_sigma > 0) {
+    light_.emplace(params.return_sigma);
+    ++stages_;
+  }
   for (int s = 0; s < runner_.slots(); ++s) {
     filters_.push_back(std::make_unique<PixelFilter>(layout_, params_, tables_));
   }
@@ -106,7 +117,7 @@ RpfRun::RpfRun(const SampleSource& source, const RpfParams& params, const Execut
     if (draw >= 0) moved_.push_back(&chains_.back()->rows);
   }
   int rows = kBandRows + 2;
-  for (int p = 0; p < passes_; ++p) rows += halo(frame(), p);
+  for (int s = 0; s < stages_; ++s) rows += halo(frame(), s);
   if (params.draws > 0) {
     rows += 2 * ErrorRows::kRadius;
     errors_ = std::make_unique<ErrorRows>(source.width, source.height, layout_, std::min(rows, source.height));
@@ -114,19 +125,21 @@ RpfRun::RpfRun(const SampleSource& source, const RpfParams& params, const Execut
   for (std::size_t k = 0; k < (errors_ ? 6U : 3U); ++k) band_[k] = Plane(source.width, std::min(rows, source.height));
 }
 
-// Rows of the passes before that pass `pass` reads on each side.
-int RpfRun::halo(const Chain& chain, int pass) const {
-  return params_.boxes[static_cast<std::size_t>(pass)] / 2 + (chain.adjacent.empty() ? 0 : params_.search_radius);
+// Rows of the stages before that a stage reads on each side.
+int RpfRun::halo(const Chain& chain, int stage) const {
+  if (stage == passes_) return light_->radius();
+  return params_.boxes[static_cast<std::size_t>(stage)] / 2 + (chain.adjacent.empty() ? 0 : params_.search_radius);
 }
 
-// A window of rows for all passes: what the last of them reads lies that much behind what was read of the source.
+// A window of rows for all stages: what the last of them reads lies that much behind what was read of the source.
 void RpfRun::add_chain(const SampleSource& source) {
   int rows = 2 * kBandRows;
   for (const int box : params_.boxes) rows += 2 * (box / 2 + (adjacent_count_ > 0 ? params_.search_radius : 0));
+  rows += light_ ? 2 * light_->radius() : 0;
   rows += params_.draws > 0 ? 2 * ErrorRows::kRadius : 0;
   chains_.push_back(std::make_unique<Chain>(Chain{SampleRows(source, layout_, passes_, std::min(rows, source.height)),
                                                   {},
-                                                  std::vector<int>(static_cast<std::size_t>(passes_), 0)}));
+                                                  std::vector<int>(static_cast<std::size_t>(stages_), 0)}));
 }
 
 void RpfRun::read_rows(int end) {
@@ -139,43 +152,55 @@ void RpfRun::read_rows(int end) {
       } else {
         rows.read_row();
       }
+      if (light_) light_->begin_row(source_.width, rows.row(rows.rows_read() - 1));
       rows.row(rows.rows_read() - 1)
           .shifts.assign(static_cast<std::size_t>(source_.width) * adjacent_count_, rpf::PixelShift{});
     }
   }
 }
 
-void RpfRun::run_pass(Chain& chain, int pass, int end) {
+// A tile's part of a row.
+void RpfRun::run_span(Chain& chain, const std::vector<const SampleRows*>& adjacent, int stage, int x0, int y,
+                      int slot) {
+  if (stage == passes_) {
+    light_->run(stage, x0, y, chain.rows);
+    return;
+  }
+  for (int x = x0; x < std::min(x0 + kTileWidth, source_.width); ++x) {
+    filters_[static_cast<std::size_t>(slot)]->run(stage, x, y, chain.rows, adjacent);
+    if (light_ && stage + 1 == passes_) light_->note_pixel(layout_, stage, x, chain.rows.row(y));
+  }
+}
+
+void RpfRun::run_stage(Chain& chain, int stage, int end) {
   std::vector<const SampleRows*> adjacent;
   for (const Chain* other : chain.adjacent) adjacent.push_back(&other->rows);
-  const int y0 = chain.done[static_cast<std::size_t>(pass)];
+  const int y0 = chain.done[static_cast<std::size_t>(stage)];
   const int across = (source_.width + kTileWidth - 1) / kTileWidth;
   const int down = (end - y0 + kTileHeight - 1) / kTileHeight;
-  const double weight = static_cast<double>(end - y0) / source_.height / passes_ / static_cast<double>(chains_.size());
+  const double weight = static_cast<double>(end - y0) / source_.height / stages_ / static_cast<double>(chains_.size());
   runner_.for_each(across * down, weight, [&](int item, int slot) {
     const int x0 = item % across * kTileWidth;
     const int top = y0 + item / across * kTileHeight;
     for (int y = top; y < std::min(top + kTileHeight, end); ++y) {
-      for (int x = x0; x < std::min(x0 + kTileWidth, source_.width); ++x) {
-        filters_[static_cast<std::size_t>(slot)]->run(pass, x, y, chain.rows, adjacent);
-      }
+      run_span(chain, adjacent, stage, x0, y, slot);
     }
   });
 }
 
 void RpfRun::advance(Chain& chain) {
-  for (int p = 0; p < passes_; ++p) {
-    const auto pass = static_cast<std::size_t>(p);
-    int ready = p == 0 ? chain.rows.rows_read() : chain.done[pass - 1];
-    for (const Chain* other : chain.adjacent) ready = std::min(ready, p == 0 ? ready : other->done[pass - 1]);
-    if (ready < source_.height) ready = std::max(ready - halo(chain, p), chain.done[pass]);
-    if (ready > chain.done[pass]) run_pass(chain, p, ready);
-    chain.done[pass] = ready;
+  for (int s = 0; s < stages_; ++s) {
+    const auto stage = static_cast<std::size_t>(s);
+    int ready = s == 0 ? chain.rows.rows_read() : chain.done[stage - 1];
+    for (const Chain* other : chain.adjacent) ready = std::min(ready, s == 0 ? ready : other->done[stage - 1]);
+    if (ready < source_.height) ready = std::max(ready - halo(chain, s), chain.done[stage]);
+    if (ready > chain.done[stage]) run_stage(chain, s, ready);
+    chain.done[stage] = ready;
   }
 }
 
 void RpfRun::emit(const RpfSink& sink) {
-  const int last = passes_ - 1;
+  const int last = stages_ - 1;
   int ready = source_.height;
   for (std::size_t c = adjacent_count_; c < chains_.size(); ++c) ready = std::min(ready, chains_[c]->done.back());
   if (errors_) {

@@ -76,6 +76,8 @@ void SampleRows::begin_passes(SampleRow& row) const {
   row.records.resize(row.records.size() + kReadable, 0.0F);
   for (std::size_t p = 0; p < static_cast<std::size_t>(passes_); ++p) {
     row.colours[p].assign(static_cast<std::size_t>(row.first.back()) * kColourStride, 0.0F);
+  }
+  for (std::size_t p = 0; p <= static_cast<std::size_t>(passes_); ++p) {
     row.pixels[p].assign(static_cast<std::size_t>(width()) * 3, 0.0F);
   }
 }

@@ -24,8 +24,9 @@ struct SampleRow {
   std::vector<std::uint32_t> first;                     ///< number of the first sample of each pixel, and that of all
   std::vector<float> records;                           ///< RecordLayout
   std::array<std::vector<float>, kMostPasses> colours;  ///< of each sample after pass 0, 1, ...
-  std::array<std::vector<float>, kMostPasses> pixels;   ///< of each pixel, three: their means
-  std::vector<PixelShift> shifts;                       ///< of each pixel to its like in each adjacent frame
+  std::array<std::vector<float>, kMostPasses + 1> pixels;  ///< of each pixel, three: their means; those of LightReturn
+  std::vector<float> balance;                              ///< LightReturn: planes of the last pass
+  std::vector<PixelShift> shifts;                          ///< of each pixel to its like in each adjacent frame
   std::vector<float> directions;  ///< of each pixel, three: what its colour was moved by, where it was
 };
 

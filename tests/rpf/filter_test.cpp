@@ -192,6 +192,7 @@ TEST_CASE("parameters out of range are named") {
   CHECK(message([](RpfParams& p) { p.shares.pop_back(); }).find("one for each box") != std::string::npos);
   CHECK(message([](RpfParams& p) { p.colour_variance = 0; }).find("colour_variance") != std::string::npos);
   CHECK(message([](RpfParams& p) { p.step = kNan; }).find("step") != std::string::npos);
+  CHECK(message([](RpfParams& p) { p.return_sigma = 17; }).find("return_sigma") != std::string::npos);
   CHECK(message([](RpfParams& p) { p.draws = -1; }).find("draws") != std::string::npos);
   CHECK(message([](RpfParams&) {}).empty());
 }
@@ -204,6 +205,7 @@ TEST_CASE("the paper's settings as printed are there") {
   CHECK(stein::paper_rpf(stein::kRpfNoisy).feature_variance == 0.02F);
   CHECK(params.cluster_deviations == 3);
   CHECK(params.spikes == stein::RpfSpikes::kReset);
+  CHECK(params.return_sigma == 0);
   CHECK(all_finite(filter_image(make_wall(12, 12, 4), params)));
 }
 

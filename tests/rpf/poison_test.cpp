@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// One sample that holds what it should not: it may change what lies within the boxes of all passes, and nothing else.
+// One sample that holds what it should not: it may change what lies within the boxes of all passes and
+// the reach of what is returned after them, and nothing else.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -22,6 +23,7 @@ RpfParams small_boxes() {
   params.boxes = {9, 7, 5};
   params.shares = {0.3F, 0.4F, 0.6F};
   params.draws = 1;
+  params.return_sigma = 2;
   return params;
 }
 
@@ -46,8 +48,8 @@ bool all_finite(const std::vector<float>& values) {
 
 }  // namespace
 
-TEST_CASE("a poisoned sample changes no bit beyond the boxes of all passes") {
-  constexpr int kHalo = 4 + 3 + 2;
+TEST_CASE("a poisoned sample changes no bit beyond the boxes of all passes and what is returned") {
+  constexpr int kHalo = 4 + 3 + 2 + 4;
   constexpr int kSmoothing = 8;  // of the error
   const SampleImage wall = make_wall(kX + kHalo + kSmoothing + 6, kY + kHalo + kSmoothing + 5, 6);
   const FilteredImage sound = filter_image(wall, small_boxes());
