@@ -6,6 +6,7 @@
 #include <sstream>
 #include <vector>
 
+#include "core/memory_warnings.hpp"
 #include "core/validity.hpp"
 #include "kernels/guides.hpp"
 
@@ -158,15 +159,7 @@ void add_warnings(const Frame& frame, bool is_exact, DenoiseReport& report) {
 
 void tell_of_memory(const MemoryUsage& usage, DenoiseReport& report) {
   report.scratch_bytes = usage.scratch_bytes;
-  if (usage.scratch_window_bytes > 0) {
-    warn(report, "of ", usage.window_bytes, " bytes that windows of rows take, ", usage.scratch_window_bytes,
-         " were in scratch files, which costs time; allow ", 2 * usage.window_bytes,
-         " bytes of memory or more, or fewer threads");
-  }
-  if (usage.scratch_is_memory) {
-    warn(report,
-         "the scratch folder is memory itself (tmpfs): what lies there counts as well; name a folder on a disk");
-  }
+  add_memory_warnings(usage, report.warnings);
 }
 
 void summarise(const Source& source, const DenoiseParams& params, exec::Runner& runner, double progress_weight,

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <string>
 
+#include "core/memory_warnings.hpp"
 #include "exec/runner.hpp"
 #include "rpf/error_rows.hpp"
 #include "rpf/pixel_filter.hpp"
@@ -55,6 +56,7 @@ class RpfRun {
   RecordLayout layout_;
   int passes_;
   std::size_t adjacent_count_;
+  std::shared_ptr<Memory> memory_;  // null: the heap
   std::vector<rpf::OffsetTable> tables_;
   exec::Runner runner_;
   std::vector<std::unique_ptr<PixelFilter>> filters_;  // per slot
@@ -94,6 +96,7 @@ RpfRun::RpfRun(const SampleSource& source, const RpfParams& params, const Execut
       layout_(rpf::make_layout(source, params)),
       passes_(static_cast<int>(params.boxes.size())),
       adjacent_count_(adjacent.size()),
+      memory_(execution.memory),
       runner_(execution) {
   for (const int box : params.boxes) tables_.emplace_back(box);
   for (int s = 0; s < runner_.slots(); ++s) {
@@ -109,9 +112,11 @@ RpfRun::RpfRun(const SampleSource& source, const RpfParams& params, const Execut
   for (int p = 0; p < passes_; ++p) rows += halo(frame(), p);
   if (params.draws > 0) {
     rows += 2 * ErrorRows::kRadius;
-    errors_ = std::make_unique<ErrorRows>(source.width, source.height, layout_, std::min(rows, source.height));
+    errors_ =
+        std::make_unique<ErrorRows>(source.width, source.height, layout_, std::min(rows, source.height), memory_.get());
   }
-  for (std::size_t k = 0; k < (errors_ ? 6U : 3U); ++k) band_[k] = Plane(source.width, std::min(rows, source.height));
+  for (std::size_t k = 0; k < (errors_ ? 6U : 3U); ++k)
+    band_[k] = Plane(source.width, std::min(rows, source.height), memory_.get());
 }
 
 // Rows of the passes before that pass `pass` reads on each side.
@@ -124,9 +129,10 @@ void RpfRun::add_chain(const SampleSource& source) {
   int rows = 2 * kBandRows;
   for (const int box : params_.boxes) rows += 2 * (box / 2 + (adjacent_count_ > 0 ? params_.search_radius : 0));
   rows += params_.draws > 0 ? 2 * ErrorRows::kRadius : 0;
-  chains_.push_back(std::make_unique<Chain>(Chain{SampleRows(source, layout_, passes_, std::min(rows, source.height)),
-                                                  {},
-                                                  std::vector<int>(static_cast<std::size_t>(passes_), 0)}));
+  chains_.push_back(
+      std::make_unique<Chain>(Chain{SampleRows(source, layout_, passes_, std::min(rows, source.height), memory_.get()),
+                                    {},
+                                    std::vector<int>(static_cast<std::size_t>(passes_), 0)}));
 }
 
 void RpfRun::read_rows(int end) {
@@ -186,7 +192,7 @@ void RpfRun::emit(const RpfSink& sink) {
   RpfBand out{emitted_, {}, {}};
   for (std::size_t c = 0; c < 3; ++c) {
     for (int y = emitted_; y < ready; ++y) {
-      const float* pixels = frame().rows.row(y).pixels[static_cast<std::size_t>(last)].data() + c;
+      const float* pixels = frame().rows.row(y).pixels[static_cast<std::size_t>(last)] + c;
       for (int x = 0; x < source_.width; ++x)
         band_[c].row(y - emitted_)[x] = pixels[static_cast<std::ptrdiff_t>(3) * x];
       if (errors_) errors_->smooth_row(static_cast<int>(c), y, band_[c + 3].row(y - emitted_));
@@ -220,6 +226,10 @@ RpfReport RpfRun::report() {
   warn(layout_.features == 0, "the samples have no features: edges are known by the colour alone");
   warn(counts.samples < 4 * static_cast<std::int64_t>(source_.width) * source_.height,
        "there are fewer than 4 samples per pixel: the filter needs that many to tell what is alike");
+  if (memory_) {
+    report.scratch_bytes = memory_->usage().scratch_bytes;
+    add_memory_warnings(memory_->usage(), report.warnings);
+  }
   return report;
 }
 
