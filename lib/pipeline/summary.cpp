@@ -132,7 +132,8 @@ void add_warnings(const Frame& frame, bool is_exact, DenoiseReport& report) {
   for (std::size_t f = 0; f < frame.features.size(); ++f) {
     if (found.bad_feature_pixels[f] > 0) {
       warn(report, "feature '", frame.features[f].name, "' is unusable in ", found.bad_feature_pixels[f],
-           " pixels (first: ", describe(found.first_bad_feature[f]), "); it was left out of their distances");
+           " pixels (first: ", describe(found.first_bad_feature[f]),
+           "); it was taken from the pixels around them, or left out of their distances where these do not have it");
     }
     if (frame.features[f].variance.empty()) {
       warn(report, "feature '", frame.features[f].name, "' has no variance; it was taken as free of noise");
