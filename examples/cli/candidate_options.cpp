@@ -54,8 +54,8 @@ std::string text_of(float value) {
 
 class Reader {
  public:
-  Reader(const CandidateOptions& options, const std::function<void()>& check_going_on)
-      : options_(options), check_going_on_(check_going_on) {}
+  Reader(const CandidateOptions& options, Memory* memory, const std::function<void()>& check_going_on)
+      : options_(options), memory_(memory), check_going_on_(check_going_on) {}
 
   LoadedCandidates read() {
     check(options_);
@@ -75,7 +75,7 @@ class Reader {
  private:
   std::array<ConstPlaneView, 3> load(const std::string& path) {
     check_going_on_();
-    loaded_.planes.push_back(exr::read_planes(path));
+    loaded_.planes.push_back(exr::read_planes(path, {}, memory_));
     const std::vector<Plane>& planes = loaded_.planes.back().planes;
     return {planes[0].view(), planes[1].view(), planes[2].view()};
   }
@@ -108,6 +108,7 @@ class Reader {
   }
 
   const CandidateOptions& options_;
+  Memory* memory_;
   const std::function<void()>& check_going_on_;
   LoadedCandidates loaded_;
 };
@@ -160,8 +161,9 @@ void check(const CandidateOptions& options) {
   }
 }
 
-LoadedCandidates read_candidates(const CandidateOptions& options, const std::function<void()>& check_going_on) {
-  return Reader(options, check_going_on).read();
+LoadedCandidates read_candidates(const CandidateOptions& options, Memory* memory,
+                                 const std::function<void()>& check_going_on) {
+  return Reader(options, memory, check_going_on).read();
 }
 
 }  // namespace stein::cli

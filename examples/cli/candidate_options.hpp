@@ -37,9 +37,9 @@ struct LoadedCandidates {
   std::vector<ExternalCandidate> list;
 };
 
-/// `may_go_on` is asked between files. @throws Error kInvalidArgument for files that contradict each other or the
-/// options, kIo, kInvalidFrame, kCancelled.
-[[nodiscard]] LoadedCandidates read_candidates(const CandidateOptions& options,
+/// `memory`: where the planes lie, as ReadOptions::memory. `check_going_on` is called between files and throws if not.
+/// @throws Error kInvalidArgument for files that contradict each other or the options, kIo, kInvalidFrame, kCancelled.
+[[nodiscard]] LoadedCandidates read_candidates(const CandidateOptions& options, Memory* memory,
                                                const std::function<void()>& check_going_on);
 
 }  // namespace stein::cli

@@ -105,7 +105,8 @@ void denoise_frame(const FrameTask& task, DenoiseParams params) {
   task.progress.show(0);
   const std::vector<exr::LoadedFrame> views = read_views(options, params.execution.memory, task.progress);
   check_not_interrupted();
-  const LoadedCandidates candidates = read_candidates(options.candidates, check_not_interrupted);
+  const LoadedCandidates candidates =
+      read_candidates(options.candidates, params.execution.memory.get(), check_not_interrupted);
   require_one_view(views, candidates);
   params.candidates = candidates.list;
   seconds.read = watch.lap();
@@ -126,7 +127,7 @@ void denoise_frame(const FrameTask& task, DenoiseParams params) {
   for (std::size_t v = 0; v < views.size(); ++v) filtered.push_back({views[v], results[v]});
   exr::write_results(options.output, filtered, options.write);
   seconds.write = watch.lap();
-  if (params.execution.memory) warn_if_exceeded(*params.execution.memory, results.front().report);
+  if (params.execution.memory) warn_if_exceeded(*params.execution.memory, results.front().report.warnings);
   seconds.total = seconds.read + seconds.compute + seconds.write;
   task.progress.show(1);
 

@@ -101,6 +101,11 @@ void declare_method(CLI::App& verb, DenoiseOptions& options) {
   verb.add_flag("--quiet", options.quiet, "No progress and no summary; warnings remain");
 }
 
+std::shared_ptr<Memory> make_memory(const DenoiseOptions& options) {
+  if (options.max_memory.empty()) return nullptr;
+  return std::make_shared<Memory>(MemoryLimit{parse_bytes("--max-memory", options.max_memory), options.scratch});
+}
+
 DenoiseParams denoise_params(const DenoiseOptions& options) {
   DenoiseParams params;
   apply(options.filter, params);
@@ -117,10 +122,7 @@ DenoiseParams denoise_params(const DenoiseOptions& options) {
     params.execution.tile_width = tile[0];
     params.execution.tile_height = tile[1];
   }
-  if (!options.max_memory.empty()) {
-    params.execution.memory =
-        std::make_shared<Memory>(MemoryLimit{parse_bytes("--max-memory", options.max_memory), options.scratch});
-  }
+  params.execution.memory = make_memory(options);
   check(params);
   return params;
 }

@@ -49,6 +49,9 @@ void declare(CLI::App& verb, DenoiseOptions& options);
 /// Of these, what is read and how it is worked on: not what is written.
 void declare_method(CLI::App& verb, DenoiseOptions& options);
 
+/// Null where no limit is set. @throws Error kInvalidArgument, kIo for a folder that is none.
+[[nodiscard]] std::shared_ptr<Memory> make_memory(const DenoiseOptions& options);
+
 /// Without progress. @throws Error kInvalidArgument.
 [[nodiscard]] DenoiseParams denoise_params(const DenoiseOptions& options);
 

@@ -116,15 +116,6 @@ nlohmann::ordered_json filters_json(const DenoiseReport& report) {
   return json;
 }
 
-void print_memory(const DenoiseReport& report) {
-  constexpr double kMiB = 1024.0 * 1024.0;
-  std::printf("%-9s %.0f MiB at most", "memory", static_cast<double>(peak_memory_bytes()) / kMiB);
-  if (report.scratch_bytes > 0) {
-    std::printf(", %.0f MiB in scratch files", static_cast<double>(report.scratch_bytes) / kMiB);
-  }
-  std::printf("\n");
-}
-
 void print_filters(const DenoiseReport& report) {
   for (const FilterShare& filter : report.filters) {
     std::printf("%-9s %5.1f %% %s, %s: %s\n", &filter == report.filters.data() ? "filter" : "", 100 * filter.weight,
@@ -134,13 +125,20 @@ void print_filters(const DenoiseReport& report) {
 
 }  // namespace
 
-void warn_if_exceeded(const Memory& memory, DenoiseReport& report) {
+void print_memory(std::int64_t scratch_bytes) {
+  constexpr double kMiB = 1024.0 * 1024.0;
+  std::printf("%-9s %.0f MiB at most", "memory", static_cast<double>(peak_memory_bytes()) / kMiB);
+  if (scratch_bytes > 0) std::printf(", %.0f MiB in scratch files", static_cast<double>(scratch_bytes) / kMiB);
+  std::printf("\n");
+}
+
+void warn_if_exceeded(const Memory& memory, std::vector<std::string>& warnings) {
   const std::int64_t held = peak_memory_bytes();
   if (held <= memory.limit().bytes) return;
-  report.warnings.push_back("the process held " + std::to_string(held) + " bytes, more than the " +
-                            std::to_string(memory.limit().bytes) +
-                            " of --max-memory: threads, rows of the file and windows need more; allow more, or take "
-                            "fewer threads");
+  warnings.push_back("the process held " + std::to_string(held) + " bytes, more than the " +
+                     std::to_string(memory.limit().bytes) +
+                     " of --max-memory: threads, rows of the file and windows need more; allow more, or take "
+                     "fewer threads");
 }
 
 void print_warnings(const std::string& path, const DenoiseReport& report) {
@@ -173,7 +171,7 @@ void print_summary(const DenoiseSummary& summary) {
   const Seconds& seconds = summary.seconds;
   std::printf("%-9s %.2f s: read %.2f, compute %.2f, write %.2f\n", "time", seconds.total, seconds.read,
               seconds.compute, seconds.write);
-  print_memory(report);
+  print_memory(report.scratch_bytes);
   print_line("output", summary.output_path);
 }
 

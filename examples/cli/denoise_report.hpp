@@ -31,7 +31,10 @@ struct DenoiseSummary {
 };
 
 /// Adds a warning where the process held more than `memory` allows.
-void warn_if_exceeded(const Memory& memory, DenoiseReport& report);
+void warn_if_exceeded(const Memory& memory, std::vector<std::string>& warnings);
+
+/// The line of a summary, on standard output.
+void print_memory(std::int64_t scratch_bytes);
 
 /// On standard output.
 void print_summary(const DenoiseSummary& summary);

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "cancel.hpp"
+#include "denoise_report.hpp"
 #include "output_file.hpp"
 #include "progress.hpp"
 #include "stein/error.hpp"
@@ -24,8 +25,8 @@ namespace {
 using Names = std::vector<std::string>;
 
 const Names kForSamples = {"--rpf-preset", "--adjacent", "--features", "--randoms"};
-const Names kForBoth = {"IN",        "--output", "--filter", "--risk",  "--draws",        "--seed",
-                        "--threads", "--quiet",  "--frames", "--frame", "--skip-existing"};
+const Names kForBoth = {"IN",      "--output", "--filter", "--risk",          "--draws",      "--seed",   "--threads",
+                        "--quiet", "--frames", "--frame",  "--skip-existing", "--max-memory", "--scratch"};
 
 bool contains(const Names& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -71,6 +72,7 @@ void print_report(const DenoiseOptions& options, const exr::SampleReader& sample
     const auto& e = report.mean_error;
     std::printf("%-9s %.6g (mean square, estimated)\n", "error", (e[0] + e[1] + e[2]) / 3);
   }
+  print_memory(report.scratch_bytes);
   std::printf("%-9s %s\n", "output", options.output.c_str());
 }
 
@@ -140,6 +142,7 @@ RpfParams rpf_params(const DenoiseOptions& options, const SampleFilterOptions& f
   params.features = filter.features;
   params.randoms = filter.randoms;
   params.check();
+  static_cast<void>(make_memory(options));  // a mistake is told once, before any frame
   return params;
 }
 
@@ -158,19 +161,21 @@ void denoise_samples(const FrameTask& task, const RpfParams& params, const std::
   task.progress.show(0);
   Execution execution;
   execution.threads = options.threads;
+  execution.memory = make_memory(options);
   execution.progress = [&task](double fraction) {
     task.progress.show(fraction);
     return !interrupted();
   };
   const bool has_error = params.draws > 0;
   ResultFile result(options.output, samples, has_error);
-  const RpfReport report = filter_samples(
+  RpfReport report = filter_samples(
       source, params, execution, [&result](const RpfBand& band) { result.write(band); }, adjacent);
   check_not_interrupted();
   if (report.samples == 0) {
     throw Error(ErrorCode::kInvalidFrame, "'" + samples.path() + "': it holds no sample with a finite colour");
   }
   result.finish();
+  if (execution.memory) warn_if_exceeded(*execution.memory, report.warnings);
   task.progress.clear();
   print_warnings(report);
   if (!options.quiet) print_report(options, samples, report, has_error);

@@ -128,9 +128,10 @@ struct NamedPlanes {
 };
 
 /// Reads the channels named, or, where `names` is empty, the colour as R, G and B. A name may carry its part as
-/// "part/channel".
+/// "part/channel". `memory`: where the planes lie, as ReadOptions::memory.
 /// @throws Error as read_frame.
-[[nodiscard]] NamedPlanes read_planes(const std::string& path, const std::vector<std::string>& names = {});
+[[nodiscard]] NamedPlanes read_planes(const std::string& path, const std::vector<std::string>& names = {},
+                                      Memory* memory = nullptr);
 
 struct WriteOptions {
   bool error = true;         ///< error.R/G/B

@@ -139,14 +139,16 @@ struct RpfReport {
   std::vector<std::string> features;   ///< that were used
   std::vector<std::string> randoms;    ///< random parameters that were used
   std::array<double, 3> mean_error{};  ///< mean over the image of the estimated error before it is smoothed
+  std::int64_t scratch_bytes = 0;      ///< most that lay in scratch files at a time: Execution::memory
   std::vector<std::string> warnings;   ///< in words, for people
 };
 
 using RpfSink = std::function<void(const RpfBand& band)>;
 
 /// Filters samples. Reads rows as it goes and hands out results as they are done, so that memory holds a window of rows
-/// (about the sum of the boxes' widths), not the image. Bit-identical for any number of threads. `adjacent`: the frames
-/// before and after, of the same size and with the same groups; what they have rendered helps where it looks alike.
+/// (about the sum of the boxes' widths), not the image; under a limit (Execution::memory) rows that do not fit lie in
+/// scratch files. Bit-identical for any number of threads, and with any limit. `adjacent`: the frames before and after,
+/// of the same size and with the same groups; what they have rendered helps where it looks alike.
 /// @throws Error kInvalidArgument, kInvalidFrame, kCancelled; what the sources and the sink throw.
 RpfReport filter_samples(const SampleSource& source, const RpfParams& params, const Execution& execution,
                          const RpfSink& sink, const std::vector<SampleSource>& adjacent = {});

@@ -19,6 +19,7 @@
 #include <system_error>
 
 #include "core/aligned_zeros.hpp"
+#include "core/memory_warnings.hpp"
 #include "core/parameter_check.hpp"
 #include "stein/error.hpp"
 
@@ -201,6 +202,18 @@ void Memory::trim() const noexcept {
 MemoryUsage Memory::usage() const {
   const std::lock_guard lock(state_->mutex);
   return state_->most;
+}
+
+void add_memory_warnings(const MemoryUsage& usage, std::vector<std::string>& warnings) {
+  if (usage.scratch_window_bytes > 0) {
+    warnings.push_back("of " + std::to_string(usage.window_bytes) + " bytes that windows of rows take, " +
+                       std::to_string(usage.scratch_window_bytes) + " were in scratch files, which costs time; allow " +
+                       std::to_string(2 * usage.window_bytes) + " bytes of memory or more, or fewer threads");
+  }
+  if (usage.scratch_is_memory) {
+    warnings.emplace_back(
+        "the scratch folder is memory itself (tmpfs): what lies there counts as well; name a folder on a disk");
+  }
 }
 
 }  // namespace stein

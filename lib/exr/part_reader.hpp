@@ -7,10 +7,11 @@
 #include <ImfInputPart.h>
 #include <ImfTiledInputPart.h>
 
-#include <cstddef>
+#include <cstdint>
 #include <optional>
 
 #include "exr/source_file.hpp"
+#include "stein/memory.hpp"
 
 namespace stein::exr {
 
@@ -30,10 +31,15 @@ class PartReader {
   /// Reads rows [first_y, last_y] of level 0, in the file's coordinates; `first_y` must start a block.
   void read(const Imf::FrameBuffer& target, int first_y, int last_y);
 
+  /// All rows: a few at a time where `memory` is limited, at once where it is not, or null. `row_bytes`: of the
+  /// target's planes, in all.
+  void read_all(const Imf::FrameBuffer& target, std::int64_t row_bytes, const Memory* memory);
+
  private:
   std::optional<Imf::InputPart> scanlines_;
   std::optional<Imf::TiledInputPart> tiles_;
   int top_ = 0;
+  int height_ = 0;
   int block_rows_ = 0;
 };
 

@@ -257,25 +257,8 @@ class FrameReader {
     for (int part = 0; part < file_.parts(); ++part) {
       const Imf::FrameBuffer& target = targets[static_cast<std::size_t>(part)];
       if (target.begin() == target.end()) continue;
-      read_part(part, target);
-    }
-  }
-
-  /// A few rows at a time where memory is limited, at once where it is not.
-  void read_part(int part, const Imf::FrameBuffer& target) {
-    PartReader reader(file_, part);
-    const int last = data_.data_window[3];
-    int rows = data_.frame.height;
-    if (options_.memory && options_.memory->limit().bytes > 0) {
-      constexpr std::int64_t kShare = 16;
-      const auto block_bytes =
-          static_cast<std::int64_t>(planes_.size() * sizeof(float)) * data_.frame.width * reader.block_rows();
-      const std::int64_t blocks = options_.memory->limit().bytes / kShare / block_bytes;
-      rows = static_cast<int>(std::clamp<std::int64_t>(blocks * reader.block_rows(), reader.block_rows(), rows));
-    }
-    for (int y = data_.data_window[1]; y <= last; y += rows) {
-      reader.read(target, y, std::min(y + rows - 1, last));
-      if (options_.memory) options_.memory->trim();
+      const auto row_bytes = static_cast<std::int64_t>(planes_.size() * sizeof(float)) * data_.frame.width;
+      PartReader(file_, part).read_all(target, row_bytes, options_.memory.get());
     }
   }
 

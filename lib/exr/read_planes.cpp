@@ -21,7 +21,7 @@ class PlanesReader {
   explicit PlanesReader(const std::string& path)
       : file_(path), mapping_(find_mapping(path)), names_(name_channels(file_, *mapping_.schema, names_of(file_))) {}
 
-  NamedPlanes read(std::vector<std::string> names) {
+  NamedPlanes read(std::vector<std::string> names, Memory* memory) {
     std::vector<int> found;
     for (const std::string& name : names) found.push_back(find(name));
     if (names.empty()) {
@@ -34,8 +34,9 @@ class PlanesReader {
     result.data_window = window_of(first);
     result.to_rec709 = colour_space(first, file_.path()).to_rec709;
     for (std::size_t i = 0; i < found.size(); ++i) check(found[i], result.names[i], result.data_window);
-    for (std::size_t i = 0; i < found.size(); ++i) result.planes.emplace_back(width_of(first), height_of(first));
-    for (int part = 0; part < file_.parts(); ++part) read_part(part, found, result.planes);
+    for (std::size_t i = 0; i < found.size(); ++i)
+      result.planes.emplace_back(width_of(first), height_of(first), memory);
+    for (int part = 0; part < file_.parts(); ++part) read_part(part, found, memory, result.planes);
     return result;
   }
 
@@ -93,7 +94,7 @@ class PlanesReader {
     }
   }
 
-  void read_part(int part, const std::vector<int>& found, std::vector<Plane>& planes) {
+  void read_part(int part, const std::vector<int>& found, const Memory* memory, std::vector<Plane>& planes) {
     const Imf::Header& header = file_.header(part);
     const Imath::V2i origin = header.dataWindow().min;
     Imf::FrameBuffer target;
@@ -111,10 +112,12 @@ class PlanesReader {
                                      static_cast<std::size_t>(plane.row_stride())));
     }
     if (target.begin() == target.end()) return;
-    PartReader(file_, part).read(target, header.dataWindow().min.y, header.dataWindow().max.y);
+    const auto row_bytes = static_cast<std::int64_t>(found.size() * sizeof(float)) * width_of(header);
+    PartReader(file_, part).read_all(target, row_bytes, memory);
     for (const auto& [from, to] : copies) {
       for (int y = 0; y < planes[to].height(); ++y) {
         std::copy_n(planes[from].row(y), planes[from].width(), planes[to].row(y));
+        if (memory != nullptr) memory->trim();
       }
     }
   }
@@ -126,8 +129,8 @@ class PlanesReader {
 
 }  // namespace
 
-NamedPlanes read_planes(const std::string& path, const std::vector<std::string>& names) {
-  return with_io_errors("read '" + path + "'", [&] { return PlanesReader(path).read(names); });
+NamedPlanes read_planes(const std::string& path, const std::vector<std::string>& names, Memory* memory) {
+  return with_io_errors("read '" + path + "'", [&] { return PlanesReader(path).read(names, memory); });
 }
 
 }  // namespace stein::exr

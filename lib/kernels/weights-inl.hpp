@@ -21,8 +21,10 @@ using FloatVec = hn::Vec<FloatTag>;
 
 // Lane type: float32. Valid range: [1e-30, 1e37]. Max error: 2 ulp.
 HWY_INLINE FloatVec reciprocal(FloatTag d, FloatVec v) {
-  const FloatVec r = hn::ApproximateReciprocal(v);
-  return hn::Mul(r, hn::NegMulAdd(v, r, hn::Set(d, 2.0F)));  // one Newton step
+  constexpr int kSteps = HWY_ARCH_ARM ? 2 : 1;  // of Newton: the estimates have 8 bits or 11 to 14
+  FloatVec r = hn::ApproximateReciprocal(v);
+  for (int step = 0; step < kSteps; ++step) r = hn::Mul(r, hn::NegMulAdd(v, r, hn::Set(d, 2.0F)));
+  return r;
 }
 
 // 2^-x. Lane type: float32. Valid range: [0, inf). Max relative error: 3e-7 up to 59; exactly 1 at 0 and exactly 0

@@ -98,8 +98,8 @@ void blur_line(const MixtureRisk* in, std::ptrdiff_t stride, int length, Mixture
   }
 }
 
-void blur(int columns, int rows, exec::Runner& runner, std::vector<MixtureRisk>& grid) {
-  std::vector<MixtureRisk> other(grid.size());
+void blur(int columns, int rows, exec::Runner& runner, Memory* memory, LargeArray<MixtureRisk>& grid) {
+  LargeArray<MixtureRisk> other(grid.size(), memory);
   runner.for_each(rows, 0.0, [&](int y, int) {
     blur_line(grid.data() + std::ptrdiff_t{y} * columns, 1, columns, other.data() + std::ptrdiff_t{y} * columns);
   });
@@ -191,8 +191,7 @@ void Blend::add_externals(const Risks& own_risks, exec::Runner& runner, double p
 // `compared`: of each block, see block_risk.
 Blend::Risks Blend::block_risks(const std::vector<Pictures>& compared, exec::Runner& runner,
                                 double progress_weight) const {
-  Risks risks;
-  risks.blocks.resize(compared.size());
+  Risks risks{LargeArray<MixtureRisk>(compared.size(), source_.memory()), {}};
   std::vector<std::vector<float>> lines(static_cast<std::size_t>(runner.slots()),
                                         std::vector<float>(kBlockLines * kValues));
   runner.for_each(rows_, progress_weight, [&](int row, int slot) {
@@ -201,9 +200,12 @@ Blend::Risks Blend::block_risks(const std::vector<Pictures>& compared, exec::Run
       risks.blocks[block] = block_risk(column, row, compared[block], lines[static_cast<std::size_t>(slot)].data());
     }
   });
-  for (std::size_t block = 0; block < compared.size(); ++block)
-    risks.images[compared[block]].add(risks.blocks[block], 1.0);
-  blur(columns_, rows_, runner, risks.blocks);
+  for (int row = 0; row < rows_; ++row) {
+    if (source_.memory() != nullptr) source_.memory()->trim();
+    for (std::size_t block = row_start(row); block < row_start(row + 1); ++block)
+      risks.images[compared[block]].add(risks.blocks[block], 1.0);
+  }
+  blur(columns_, rows_, runner, source_.memory(), risks.blocks);
   return risks;
 }
 

@@ -8,6 +8,7 @@
 #include <map>
 #include <vector>
 
+#include "core/large_array.hpp"
 #include "exec/rect.hpp"
 #include "exec/runner.hpp"
 #include "pipeline/mixture.hpp"
@@ -43,7 +44,7 @@ class Blend {
   /// Bits of pictures.
   using Pictures = std::uint32_t;
   struct Risks {
-    std::vector<MixtureRisk> blocks;         // of each, with its surroundings
+    LargeArray<MixtureRisk> blocks;          // of each, with its surroundings
     std::map<Pictures, MixtureRisk> images;  // of all blocks in which the same pictures are compared
     [[nodiscard]] MixtureRisk of(std::size_t block, Pictures compared) const;
   };

@@ -10,6 +10,7 @@
 #include "core/parameter_check.hpp"
 #include "core/validity.hpp"
 #include "pipeline/mixture.hpp"
+#include "prefilter/perturbed_frame.hpp"
 #include "risk/sure.hpp"
 #include "stein/error.hpp"
 
@@ -76,7 +77,8 @@ class Pictures {
       out.image = perturbation == nullptr ? images->image : images->draws[static_cast<std::size_t>(draw)].image;
     } else {
       const auto& run = std::get<ExternalDenoiser>(candidate_.source).run;
-      out.memory = perturbation == nullptr ? run(frame_) : run(PerturbedFrame(frame_, *perturbation).frame());
+      std::vector<Plane> moved;
+      out.memory = run(perturbation == nullptr ? frame_ : perturbed_frame(given_, *perturbation, runner_, moved));
       for (std::size_t c = 0; c < 3; ++c) out.image[c] = std::as_const(out.memory[c]).view();
     }
     require_usable(out.image, perturbation != nullptr);
@@ -114,7 +116,7 @@ class Pictures {
     // One with layers is whole, as they are: filled by itself it would not be their sum.
     if (layer_channels(frame_) == 0 && std::any_of(given_.replaced().list().begin(), given_.replaced().list().end(),
                                                    [](const ReplacedPixel& p) { return !p.is_source; })) {
-      filled.add(fill_layer(frame_, as_layer(candidate_, image)), frame_.height);
+      filled.add(fill_layer(frame_, as_layer(candidate_, image), given_.memory()), frame_.height);
     }
     runner_.for_each(frame_.height, share_, [&](int y, int) {
       for (std::size_t c = 0; c < 3; ++c) {

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <vector>
 
+#include "core/memory_warnings.hpp"
 #include "core/validity.hpp"
 #include "kernels/guides.hpp"
 
@@ -131,7 +132,8 @@ void add_warnings(const Frame& frame, bool is_exact, DenoiseReport& report) {
   for (std::size_t f = 0; f < frame.features.size(); ++f) {
     if (found.bad_feature_pixels[f] > 0) {
       warn(report, "feature '", frame.features[f].name, "' is unusable in ", found.bad_feature_pixels[f],
-           " pixels (first: ", describe(found.first_bad_feature[f]), "); it was left out of their distances");
+           " pixels (first: ", describe(found.first_bad_feature[f]),
+           "); it was taken from the pixels around them, or left out of their distances where these do not have it");
     }
     if (frame.features[f].variance.empty()) {
       warn(report, "feature '", frame.features[f].name, "' has no variance; it was taken as free of noise");
@@ -158,15 +160,7 @@ void add_warnings(const Frame& frame, bool is_exact, DenoiseReport& report) {
 
 void tell_of_memory(const MemoryUsage& usage, DenoiseReport& report) {
   report.scratch_bytes = usage.scratch_bytes;
-  if (usage.scratch_window_bytes > 0) {
-    warn(report, "of ", usage.window_bytes, " bytes that windows of rows take, ", usage.scratch_window_bytes,
-         " were in scratch files, which costs time; allow ", 2 * usage.window_bytes,
-         " bytes of memory or more, or fewer threads");
-  }
-  if (usage.scratch_is_memory) {
-    warn(report,
-         "the scratch folder is memory itself (tmpfs): what lies there counts as well; name a folder on a disk");
-  }
+  add_memory_warnings(usage, report.warnings);
 }
 
 void summarise(const Source& source, const DenoiseParams& params, exec::Runner& runner, double progress_weight,

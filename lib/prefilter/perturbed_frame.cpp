@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
+#include "prefilter/perturbed_frame.hpp"
+
 #include <cstddef>
 
 #include "core/parameter_check.hpp"
 #include "core/validity.hpp"
-#include "exec/runner.hpp"
-#include "prefilter/source.hpp"
-#include "stein/candidate.hpp"
 
 namespace stein {
 namespace {
@@ -37,29 +35,33 @@ void check(const Perturbation& perturbation) {
   require_in_range("the step of a perturbation", perturbation.step, 1e-3F, 1.0F, "standard deviations");
 }
 
-PerturbedFrame::PerturbedFrame(const Frame& frame, const Perturbation& perturbation, const Execution& execution)
-    : moved_(frame) {
+Frame perturbed_frame(const Source& source, const Perturbation& perturbation, exec::Runner& runner,
+                      std::vector<Plane>& planes) {
+  Frame frame = source.frame();
+  const Source along = source.perturbed(perturbation);
+  const auto move = [&](ConstPlaneView& view, const auto& direction_row) {
+    planes.push_back(moved(view, perturbation.step, source.memory(), runner, direction_row));
+    view = planes.back().view();
+  };
+  for (std::size_t c = 0; c < 3; ++c)
+    move(frame.colour[c], [&](int y, float* b) { along.direction_row(c, y, 0, frame.width, b); });
+  for (std::size_t f = 0; f < frame.features.size(); ++f) {
+    if (frame.features[f].colour_covariance.empty()) continue;
+    const float unit = 1.0F / along.feature_scale(f);
+    for (std::size_t k = 0; k < frame.features[f].mean.size(); ++k) {
+      move(frame.features[f].mean[k],
+           [&](int y, float* b) { along.feature_direction_row(f, k, unit, y, 0, frame.width, b); });
+    }
+  }
+  return frame;
+}
+
+PerturbedFrame::PerturbedFrame(const Frame& frame, const Perturbation& perturbation, const Execution& execution) {
   check(perturbation);
   check(frame);
   exec::Runner runner(execution);
   const FrameReport report = inspect(frame, runner, 0.0);
-  Memory* const memory = execution.memory.get();
-  const Source source = Source(frame, report, memory).perturbed(perturbation);
-  for (std::size_t c = 0; c < 3; ++c) {
-    planes_.push_back(moved(frame.colour[c], perturbation.step, memory, runner,
-                            [&](int y, float* b) { source.direction_row(c, y, 0, frame.width, b); }));
-    moved_.colour[c] = planes_.back().view();
-  }
-  for (std::size_t f = 0; f < frame.features.size(); ++f) {
-    if (frame.features[f].colour_covariance.empty()) continue;
-    const float unit = 1.0F / source.feature_scale(f);
-    for (std::size_t k = 0; k < frame.features[f].mean.size(); ++k) {
-      planes_.push_back(moved(frame.features[f].mean[k], perturbation.step, memory, runner, [&](int y, float* b) {
-        source.feature_direction_row(f, k, unit, y, 0, frame.width, b);
-      }));
-      moved_.features[f].mean[k] = planes_.back().view();
-    }
-  }
+  moved_ = perturbed_frame(Source(frame, report, execution.memory.get()), perturbation, runner, planes_);
 }
 
 }  // namespace stein

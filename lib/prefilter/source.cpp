@@ -7,15 +7,15 @@
 #include <utility>
 
 #include "prefilter/direction.hpp"
+#include "prefilter/feature_fill.hpp"
 
 namespace stein {
 namespace {
 
-constexpr int kChunk = 512;
+constexpr int kChunk = FeatureHoles::kMostPixels;
 // Scaled features are clipped to this: the square of their difference stays finite, and far below
 // Source::kNoInformation.
 constexpr float kLargest = 1e4F;
-constexpr float kMostSamples = 1e9F;
 // What the neighbours' mean weighs next to a feature's variance of few degrees of freedom, in degrees of freedom, and
 // how far they are away; measured (docs/inputs.md).
 constexpr float kNeighbourDegrees = 3.0F;
@@ -269,15 +269,16 @@ void Source::feature_row(std::size_t feature, float factor, int y, int x, int co
   }
   group_variance_row(feature, y, x, count, variance);
   if (frame_.degrees_of_freedom > 0) raise_variance_row(feature, y, x, count, variance);
-  float v[kChunk];
   if (feature_has_bad_[feature] == 0) return;
   for (int start = 0; start < count; start += kChunk) {
     const int part = std::min(kChunk, count - start);
-    feature_validity_row(source, y, x + start, part, v);
+    const FeatureHoles holes(frame_, source, y, x + start, part);
     for (int i = 0; i < part; ++i) {
-      if (v[i] != 0.0F) continue;
-      for (std::size_t k = 0; k < channels; ++k) means[k][start + i] = 0.0F;
-      variance[start + i] = kNoInformation;
+      if (!holes.is_hole(i)) continue;
+      const std::optional<FeatureFill> fill = holes.fill(i);
+      for (std::size_t k = 0; k < channels; ++k)
+        means[k][start + i] = fill ? std::clamp(fill->mean[k] * (scale * factor), -kLargest, kLargest) : 0.0F;
+      variance[start + i] = fill ? std::min(fill->sample_variance * scale * scale, kNoInformation) : kNoInformation;
     }
   }
 }

@@ -68,7 +68,8 @@ class Source {
   void mask_row(int y, int x, int count, float* out) const;
   /// Feature means times `factor`, one row per channel, and the per-sample variance of the group (the mean over its
   /// channels), all in normalised units; raised towards its neighbours' where it has few degrees of freedom. Where the
-  /// feature is unusable: means 0 and a variance that takes it out of any distance.
+  /// feature is unusable: those of the pixels around (FeatureHoles), or means 0 and a variance that takes it out of any
+  /// distance.
   void feature_row(std::size_t feature, float factor, int y, int x, int count, float* const* means,
                    float* variance) const;
   /// Variance of the mean of channel k of a feature in normalised units; kNoInformation where the feature is unusable.

@@ -10,8 +10,8 @@
 
 namespace stein::rpf {
 
-ErrorRows::ErrorRows(int width, int height, const RecordLayout& layout, int ring_rows)
-    : width_(width), height_(height), layout_(layout), blurred_(kPlanes, width, ring_rows) {
+ErrorRows::ErrorRows(int width, int height, const RecordLayout& layout, int ring_rows, Memory* memory)
+    : width_(width), height_(height), layout_(layout), blurred_(kPlanes, width, ring_rows, memory) {
   for (int i = -kRadius; i <= kRadius; ++i) {
     taps_[static_cast<std::size_t>(i + kRadius)] = std::exp(static_cast<float>(-i * i) / (2.0F * kSigma * kSigma));
   }
@@ -29,7 +29,7 @@ void ErrorRows::risk_of_pixel(const SampleRow& row, const std::vector<const Samp
     risk_[c][pixel] = 0;
     if (n < 2) continue;
     const auto stride = static_cast<std::size_t>(layout_.stride);
-    const float* colour = row.records.data() + first * stride + static_cast<std::size_t>(layout_.colour()) + c;
+    const float* colour = row.records + first * stride + static_cast<std::size_t>(layout_.colour()) + c;
     double mean = 0;
     for (std::size_t i = 0; i < n; ++i) mean += colour[i * stride] / static_cast<double>(n);
     double variance = 0;

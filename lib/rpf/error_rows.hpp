@@ -17,8 +17,8 @@ class ErrorRows {
   static constexpr float kSigma = 4.0F;
   static constexpr int kRadius = 8;
 
-  /// `ring_rows`: rows that are remembered, more than 2 kRadius.
-  ErrorRows(int width, int height, const RecordLayout& layout, int ring_rows);
+  /// `ring_rows`: rows that are remembered, more than 2 kRadius; `memory`: where they lie, null for the heap.
+  ErrorRows(int width, int height, const RecordLayout& layout, int ring_rows, Memory* memory);
 
   /// Rows in order: what the last pass gave for the samples as they are, and for those that were moved.
   void add_row(const SampleRows& rows, const std::vector<const SampleRows*>& moved, int last_pass, float step);

@@ -79,8 +79,8 @@ LightReturn::LightReturn(float sigma) : radius_(static_cast<int>(std::ceil(kReac
   }
 }
 
-void LightReturn::begin_row(int width, SampleRow& row) const {
-  row.balance.assign(static_cast<std::size_t>(kPlanes * pitch(width)), 0.0F);
+std::size_t LightReturn::row_floats(int width) const noexcept {
+  return static_cast<std::size_t>(kPlanes * pitch(width));
 }
 
 void LightReturn::note_pixel(const RecordLayout& layout, int last, int x, SampleRow& row) const {
@@ -88,12 +88,12 @@ void LightReturn::note_pixel(const RecordLayout& layout, int last, int x, Sample
   const std::size_t first = row.first[pixel];
   const std::size_t n = row.first[pixel + 1] - first;
   const auto stride = static_cast<std::size_t>(layout.stride);
-  const auto plane = row.balance.size() / kPlanes;
-  float* out = row.balance.data() + radius_ + x;
+  const auto plane = static_cast<std::size_t>(pitch(static_cast<int>(row.first.size()) - 1));
+  float* out = row.balance + radius_ + x;
   out[kKnown * plane] = n > 0 ? 1.0F : 0.0F;
   for (std::size_t c = 0; c < 3; ++c) {
     const float filtered = row.pixels[static_cast<std::size_t>(last)][3 * pixel + c];
-    const float* colour = row.records.data() + first * stride + static_cast<std::size_t>(layout.colour()) + c;
+    const float* colour = row.records + first * stride + static_cast<std::size_t>(layout.colour()) + c;
     float mean = 0;
     for (std::size_t i = 0; i < n; ++i) mean += colour[i * stride] / static_cast<float>(n);
     out[(kColour + c) * plane] = filtered;
@@ -103,14 +103,14 @@ void LightReturn::note_pixel(const RecordLayout& layout, int last, int x, Sample
 
 void LightReturn::run(int stage, int x0, int y, SampleRows& rows) const {
   const std::ptrdiff_t pitch = this->pitch(rows.width());
-  const float* centre = rows.row(y).balance.data() + radius_ + x0;
+  const float* centre = rows.row(y).balance + radius_ + x0;
   Sums sums;
   for (int ny = std::max(y - radius_, 0); ny <= std::min(y + radius_, rows.height() - 1); ++ny) {
-    const float* across = rows.row(ny).balance.data() + x0;
+    const float* across = rows.row(ny).balance + x0;
     const float down = taps_[static_cast<std::size_t>(ny - y + radius_)];
     for (std::size_t k = 0; k < taps_.size(); ++k) add_neighbours(centre, across + k, pitch, down * taps_[k], sums);
   }
-  float* out = rows.row(y).pixels[static_cast<std::size_t>(stage)].data() + static_cast<std::ptrdiff_t>(3) * x0;
+  float* out = rows.row(y).pixels[static_cast<std::size_t>(stage)] + static_cast<std::ptrdiff_t>(3) * x0;
   for (int i = 0; i < std::min(kSpan, rows.width() - x0); ++i) {
     const std::array<float, 3> light = returned(sums, static_cast<std::size_t>(i));
     for (std::ptrdiff_t c = 0; c < 3; ++c) {

@@ -22,8 +22,8 @@ class LightReturn {
   explicit LightReturn(float sigma);
 
   [[nodiscard]] int radius() const noexcept { return radius_; }
-  /// Before pixels of a row are noted.
-  void begin_row(int width, SampleRow& row) const;
+  /// Of SampleRow::balance, which is 0 before pixels are noted.
+  [[nodiscard]] std::size_t row_floats(int width) const noexcept;
   /// Remembers what pixel x has after pass `last`, and what its samples had.
   void note_pixel(const RecordLayout& layout, int last, int x, SampleRow& row) const;
   /// The result of pixels [x0, x0 + kSpan) of row y, from the rows around; it goes to pixels[stage].

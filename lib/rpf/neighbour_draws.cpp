@@ -53,7 +53,7 @@ void draw_neighbours(const DrawKey& key, const OffsetTable& table, const std::ve
     if (count == 0) continue;
     const std::size_t i = first + ((bits >> 32U) * count >> 32U);
     const RecordLayout& layout = from.rows->layout();
-    const float* record = row.records.data() + i * static_cast<std::size_t>(layout.stride);
+    const float* record = row.records + i * static_cast<std::size_t>(layout.stride);
     __builtin_prefetch(record);
     __builtin_prefetch(record + 16);
     list.records.push_back(record);

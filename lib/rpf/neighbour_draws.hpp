@@ -50,8 +50,8 @@ struct DrawKey {
 /// The colour of sample i of a row before a pass.
 [[nodiscard]] inline const float* colour_before(const SampleRow& row, const RecordLayout& layout, int pass,
                                                 std::size_t i) noexcept {
-  return pass == 0 ? row.records.data() + i * static_cast<std::size_t>(layout.stride) + layout.colour()
-                   : row.colours[static_cast<std::size_t>(pass) - 1].data() + i * kColourStride;
+  return pass == 0 ? row.records + i * static_cast<std::size_t>(layout.stride) + layout.colour()
+                   : row.colours[static_cast<std::size_t>(pass) - 1] + i * kColourStride;
 }
 
 /// Appends `wanted` samples of pixels other than (x, y) of the first frame. Fewer where the image has too few.

@@ -38,7 +38,7 @@ PixelFilter::PixelFilter(const RecordLayout& layout, const RpfParams& params, co
 void PixelFilter::list_own_samples(int pass, int x, const SampleRow& row) {
   list_.clear();
   for (std::size_t i = row.first[at(x)]; i < row.first[at(x) + 1]; ++i) {
-    list_.records.push_back(row.records.data() + i * at(layout_.stride));
+    list_.records.push_back(row.records + i * at(layout_.stride));
     list_.colours.push_back(colour_before(row, layout_, pass, i));
   }
   own_ = list_.size();
@@ -174,7 +174,7 @@ void PixelFilter::settle_spikes() {
 // found.
 void PixelFilter::fill_empty(int pass, int x, int y, const SampleRows& rows, float* pixel) const {
   if (pass > 0) {
-    const float* before = rows.row(y).pixels[at(pass) - 1].data() + static_cast<std::ptrdiff_t>(3) * x;
+    const float* before = rows.row(y).pixels[at(pass) - 1] + static_cast<std::ptrdiff_t>(3) * x;
     std::copy(before, before + 3, pixel);
   }
   for (int radius = 1; radius <= params_.boxes[at(pass)] / 2; ++radius) {
@@ -193,7 +193,7 @@ void PixelFilter::fill_empty(int pass, int x, int y, const SampleRows& rows, flo
 
 void PixelFilter::run(int pass, int x, int y, SampleRows& rows, const std::vector<const SampleRows*>& adjacent) {
   SampleRow& row = rows.row(y);
-  float* pixel = row.pixels[at(pass)].data() + static_cast<std::ptrdiff_t>(3) * x;
+  float* pixel = row.pixels[at(pass)] + static_cast<std::ptrdiff_t>(3) * x;
   list_own_samples(pass, x, row);
   if (own_ == 0) {
     fill_empty(pass, x, y, rows, pixel);
@@ -210,7 +210,7 @@ void PixelFilter::run(int pass, int x, int y, SampleRows& rows, const std::vecto
   weigh_columns(pass);
   filter();
   settle_spikes();
-  float* out = row.colours[at(pass)].data() + static_cast<std::size_t>(row.first[at(x)]) * kColourStride;
+  float* out = row.colours[at(pass)] + static_cast<std::size_t>(row.first[at(x)]) * kColourStride;
   for (std::size_t i = 0; i < result_.size(); ++i) {
     out[i / 3 * kColourStride + i % 3] = result_[i];
     pixel[i % 3] += result_[i] / static_cast<float>(own_);

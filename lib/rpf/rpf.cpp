@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "core/memory_warnings.hpp"
 #include "exec/runner.hpp"
 #include "rpf/error_rows.hpp"
 #include "rpf/light_return.hpp"
@@ -61,6 +62,7 @@ class RpfRun {
   std::optional<LightReturn> light_;  // the stage after the passes
   int stages_;
   std::size_t adjacent_count_;
+  std::shared_ptr<Memory> memory_;  // null: the heap
   std::vector<rpf::OffsetTable> tables_;
   exec::Runner runner_;
   std::vector<std::unique_ptr<PixelFilter>> filters_;  // per slot
@@ -101,6 +103,7 @@ RpfRun::RpfRun(const SampleSource& source, const RpfParams& params, const Execut
       passes_(static_cast<int>(params.boxes.size())),
       stages_(passes_),
       adjacent_count_(adjacent.size()),
+      memory_(execution.memory),
       runner_(execution) {
   for (const int box : params.boxes) tables_.emplace_back(box);
   if (params.return_sigma > 0) {
@@ -120,9 +123,11 @@ RpfRun::RpfRun(const SampleSource& source, const RpfParams& params, const Execut
   for (int s = 0; s < stages_; ++s) rows += halo(frame(), s);
   if (params.draws > 0) {
     rows += 2 * ErrorRows::kRadius;
-    errors_ = std::make_unique<ErrorRows>(source.width, source.height, layout_, std::min(rows, source.height));
+    errors_ =
+        std::make_unique<ErrorRows>(source.width, source.height, layout_, std::min(rows, source.height), memory_.get());
   }
-  for (std::size_t k = 0; k < (errors_ ? 6U : 3U); ++k) band_[k] = Plane(source.width, std::min(rows, source.height));
+  for (std::size_t k = 0; k < (errors_ ? 6U : 3U); ++k)
+    band_[k] = Plane(source.width, std::min(rows, source.height), memory_.get());
 }
 
 // Rows of the stages before that a stage reads on each side.
@@ -137,9 +142,10 @@ void RpfRun::add_chain(const SampleSource& source) {
   for (const int box : params_.boxes) rows += 2 * (box / 2 + (adjacent_count_ > 0 ? params_.search_radius : 0));
   rows += light_ ? 2 * light_->radius() : 0;
   rows += params_.draws > 0 ? 2 * ErrorRows::kRadius : 0;
-  chains_.push_back(std::make_unique<Chain>(Chain{SampleRows(source, layout_, passes_, std::min(rows, source.height)),
-                                                  {},
-                                                  std::vector<int>(static_cast<std::size_t>(stages_), 0)}));
+  const std::size_t balance = light_ ? light_->row_floats(source.width) : 0;
+  SampleRows window(source, layout_, {passes_, balance}, std::min(rows, source.height), memory_.get());
+  chains_.push_back(
+      std::make_unique<Chain>(Chain{std::move(window), {}, std::vector<int>(static_cast<std::size_t>(stages_), 0)}));
 }
 
 void RpfRun::read_rows(int end) {
@@ -152,7 +158,6 @@ void RpfRun::read_rows(int end) {
       } else {
         rows.read_row();
       }
-      if (light_) light_->begin_row(source_.width, rows.row(rows.rows_read() - 1));
       rows.row(rows.rows_read() - 1)
           .shifts.assign(static_cast<std::size_t>(source_.width) * adjacent_count_, rpf::PixelShift{});
     }
@@ -211,7 +216,7 @@ void RpfRun::emit(const RpfSink& sink) {
   RpfBand out{emitted_, {}, {}};
   for (std::size_t c = 0; c < 3; ++c) {
     for (int y = emitted_; y < ready; ++y) {
-      const float* pixels = frame().rows.row(y).pixels[static_cast<std::size_t>(last)].data() + c;
+      const float* pixels = frame().rows.row(y).pixels[static_cast<std::size_t>(last)] + c;
       for (int x = 0; x < source_.width; ++x)
         band_[c].row(y - emitted_)[x] = pixels[static_cast<std::ptrdiff_t>(3) * x];
       if (errors_) errors_->smooth_row(static_cast<int>(c), y, band_[c + 3].row(y - emitted_));
@@ -245,6 +250,10 @@ RpfReport RpfRun::report() {
   warn(layout_.features == 0, "the samples have no features: edges are known by the colour alone");
   warn(counts.samples < 4 * static_cast<std::int64_t>(source_.width) * source_.height,
        "there are fewer than 4 samples per pixel: the filter needs that many to tell what is alike");
+  if (memory_) {
+    report.scratch_bytes = memory_->usage().scratch_bytes;
+    add_memory_warnings(memory_->usage(), report.warnings);
+  }
   return report;
 }
 

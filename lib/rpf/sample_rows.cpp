@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rpf/sample_rows.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <string>
+#include <utility>
 
 #include "core/hash.hpp"
 #include "stein/error.hpp"
@@ -26,36 +28,53 @@ float repaired(float value, bool& was_broken) {
 
 }  // namespace
 
-SampleRows::SampleRows(const SampleSource& source, const RecordLayout& layout, int passes, int capacity)
-    : source_(source), layout_(layout), passes_(passes), ring_(static_cast<std::size_t>(capacity)) {
+SampleRows::SampleRows(const SampleSource& source, const RecordLayout& layout, RowRoom room, int capacity,
+                       Memory* memory)
+    : source_(source), layout_(layout), room_(room), memory_(memory), ring_(static_cast<std::size_t>(capacity)) {
   const auto rows = static_cast<std::size_t>(source.height);
   for (std::size_t y = 0; y < rows; ++y) row_at_.push_back(&ring_[y % ring_.size()]);
 }
 
-void SampleRows::add_sample(const float* sample, int x, SampleRow& row) {
-  if (!is_usable(sample[0]) || !is_usable(sample[1]) || !is_usable(sample[2])) {
-    ++counts_.rejected;
-    return;
-  }
-  bool was_broken = false;
-  std::vector<float>& out = row.records;
-  const std::size_t end = out.size() + static_cast<std::size_t>(layout_.stride);
-  for (const int from : layout_.feature_from) out.push_back(repaired(sample[from], was_broken));
-  out.insert(out.end(), sample, sample + 3);
-  add_position_and_randoms(sample, x, out, was_broken);
-  out.resize(end, 0.0F);
-  counts_.repaired += was_broken ? 1 : 0;
-  ++counts_.samples;
+// The arrays of a row for that many samples, as zeros.
+void SampleRows::make_room(SampleRow& row, std::size_t samples) const {
+  const std::size_t per_pixel = static_cast<std::size_t>(width()) * 3;
+  const std::size_t records = samples * static_cast<std::size_t>(layout_.stride) + kReadable;
+  const std::size_t colours = samples * kColourStride;
+  const auto passes = static_cast<std::size_t>(room_.passes);
+  const std::size_t size = records + passes * colours + (passes + 2) * per_pixel + room_.balance;
+  float* next = row.floats.reserve(size, memory_);
+  std::fill_n(next, size, 0.0F);
+  const auto take = [&next](std::size_t count) { return std::exchange(next, next + count); };
+  row.records = take(records);
+  for (std::size_t p = 0; p < passes; ++p) row.colours[p] = take(colours);
+  for (std::size_t p = 0; p <= passes; ++p) row.pixels[p] = take(per_pixel);
+  row.balance = take(room_.balance);
+  row.directions = take(per_pixel);
 }
 
-void SampleRows::add_position_and_randoms(const float* sample, int x, std::vector<float>& out, bool& was_broken) const {
+// Whether the sample can be used.
+bool SampleRows::add_sample(const float* sample, int x, float* record) {
+  if (!is_usable(sample[0]) || !is_usable(sample[1]) || !is_usable(sample[2])) {
+    ++counts_.rejected;
+    return false;
+  }
+  bool was_broken = false;
+  for (const int from : layout_.feature_from) *record++ = repaired(sample[from], was_broken);
+  record = std::copy_n(sample, 3, record);
+  add_position_and_randoms(sample, x, record, was_broken);
+  counts_.repaired += was_broken ? 1 : 0;
+  ++counts_.samples;
+  return true;
+}
+
+void SampleRows::add_position_and_randoms(const float* sample, int x, float* out, bool& was_broken) const {
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const int from = layout_.pixel_from[axis];
     const float within = from < 0 ? 0.5F : repaired(sample[from], was_broken);
     const auto pixel = static_cast<float>(axis == 0 ? x : rows_read_);
-    out.push_back(pixel + within - std::floor(within));  // some renderers count from the image's corner
+    *out++ = pixel + within - std::floor(within);  // some renderers count from the image's corner
   }
-  for (const int from : layout_.random_from) out.push_back(repaired(sample[from], was_broken));
+  for (const int from : layout_.random_from) *out++ = repaired(sample[from], was_broken);
   if (layout_.has_first_bounce()) {
     std::array<float, 3> way{};
     for (std::size_t k = 0; k < 3; ++k) {
@@ -63,7 +82,7 @@ void SampleRows::add_position_and_randoms(const float* sample, int x, std::vecto
       way[k] = end_of_way - repaired(sample[layout_.position_from[k]], was_broken);
     }
     const float length = std::sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
-    for (const float part : way) out.push_back(length > 0 ? part / length : 0.0F);
+    for (const float part : way) *out++ = length > 0 ? part / length : 0.0F;
   }
 }
 
@@ -72,14 +91,9 @@ void SampleRows::count_pixel(std::uint32_t samples) {
   counts_.single_pixels += samples == 1 ? 1 : 0;
 }
 
-void SampleRows::begin_passes(SampleRow& row) const {
-  row.records.resize(row.records.size() + kReadable, 0.0F);
-  for (std::size_t p = 0; p < static_cast<std::size_t>(passes_); ++p) {
-    row.colours[p].assign(static_cast<std::size_t>(row.first.back()) * kColourStride, 0.0F);
-  }
-  for (std::size_t p = 0; p <= static_cast<std::size_t>(passes_); ++p) {
-    row.pixels[p].assign(static_cast<std::size_t>(width()) * 3, 0.0F);
-  }
+void SampleRows::end_row() {
+  ++rows_read_;
+  if (memory_ != nullptr) memory_->trim();
 }
 
 void SampleRows::read_row() {
@@ -93,28 +107,27 @@ void SampleRows::read_row() {
                     " pixels and " + std::to_string(total * channels) + " values are needed");
   }
   SampleRow& out = row(rows_read_);
-  out.records.clear();
-  out.records.reserve(total * static_cast<std::size_t>(layout_.stride) + kReadable);
+  make_room(out, total);
   out.first.assign(1, 0);
+  std::uint32_t used = 0;
   const float* sample = row_samples_.data();
   for (int x = 0; x < width(); ++x) {
     for (std::uint32_t i = 0; i < row_counts_[static_cast<std::size_t>(x)]; ++i, sample += channels) {
-      add_sample(sample, x, out);
+      if (add_sample(sample, x, out.records + used * static_cast<std::size_t>(layout_.stride))) ++used;
     }
-    out.first.push_back(static_cast<std::uint32_t>(out.records.size() / static_cast<std::size_t>(layout_.stride)));
-    count_pixel(out.first.back() - out.first[out.first.size() - 2]);
+    count_pixel(used - out.first.back());
+    out.first.push_back(used);
   }
-  begin_passes(out);
-  ++rows_read_;
+  end_row();
 }
 
 void SampleRows::move_row(const SampleRows& from, const SampleStep& step) {
   const SampleRow& in = from.row(rows_read_);
   SampleRow& out = row(rows_read_);
   out.first = in.first;
-  out.records.assign(in.records.begin(), in.records.end() - kReadable);
-  out.directions.assign(static_cast<std::size_t>(width()) * 3, 0.0F);
   const auto stride = static_cast<std::size_t>(layout_.stride);
+  make_room(out, in.first.back());
+  std::copy_n(in.records, in.first.back() * stride, out.records);
   const auto moved = static_cast<std::size_t>(layout_.features + 3);
   for (int x = 0; x < width(); ++x) {
     const std::size_t first = in.first[static_cast<std::size_t>(x)];
@@ -124,7 +137,7 @@ void SampleRows::move_row(const SampleRows& from, const SampleStep& step) {
                                        mixed(pixel_key(x, rows_read_) + kStepStream));
     const double scale = 1.0 / std::sqrt(static_cast<double>(n) * static_cast<double>(n - 1));
     for (std::size_t k = 0; k < moved; ++k) {
-      const float* value = in.records.data() + first * stride + k;
+      const float* value = in.records + first * stride + k;
       double mean = 0;
       for (std::size_t i = 0; i < n; ++i) mean += value[i * stride] / static_cast<double>(n);
       double b = 0;
@@ -136,8 +149,7 @@ void SampleRows::move_row(const SampleRows& from, const SampleStep& step) {
       if (k + 3 >= moved) out.directions[static_cast<std::size_t>(3 * x) + k + 3 - moved] = static_cast<float>(b);
     }
   }
-  begin_passes(out);
-  ++rows_read_;
+  end_row();
 }
 
 }  // namespace stein::rpf

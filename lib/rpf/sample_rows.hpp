@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "exec/buffers.hpp"
 #include "rpf/record_layout.hpp"
 
 namespace stein::rpf {
@@ -20,14 +21,22 @@ struct PixelShift {
   std::int8_t dy = 0;
 };
 
+/// Arrays are parts of `floats`.
 struct SampleRow {
-  std::vector<std::uint32_t> first;                     ///< number of the first sample of each pixel, and that of all
-  std::vector<float> records;                           ///< RecordLayout
-  std::array<std::vector<float>, kMostPasses> colours;  ///< of each sample after pass 0, 1, ...
-  std::array<std::vector<float>, kMostPasses + 1> pixels;  ///< of each pixel, three: their means; those of LightReturn
-  std::vector<float> balance;                              ///< LightReturn: planes of the last pass
-  std::vector<PixelShift> shifts;                          ///< of each pixel to its like in each adjacent frame
-  std::vector<float> directions;  ///< of each pixel, three: what its colour was moved by, where it was
+  std::vector<std::uint32_t> first;              ///< number of the first sample of each pixel, and that of all
+  float* records = nullptr;                      ///< RecordLayout
+  std::array<float*, kMostPasses> colours{};     ///< of each sample after pass 0, 1, ...
+  std::array<float*, kMostPasses + 1> pixels{};  ///< of each pixel, three: their means; those of LightReturn
+  float* balance = nullptr;                      ///< LightReturn: planes of the last pass
+  float* directions = nullptr;                   ///< of each pixel, three: what its colour was moved by, where it was
+  std::vector<PixelShift> shifts;                ///< of each pixel to its like in each adjacent frame
+  exec::FloatBuffer floats;
+};
+
+/// What a row has room for besides records.
+struct RowRoom {
+  int passes = 0;
+  std::size_t balance = 0;  ///< floats
 };
 
 struct SampleCounts {
@@ -47,8 +56,8 @@ struct SampleStep {
 
 class SampleRows {
  public:
-  /// Everything referred to must outlive this.
-  SampleRows(const SampleSource& source, const RecordLayout& layout, int passes, int capacity);
+  /// Everything referred to must outlive this. `memory`: where the rows lie, null for the heap.
+  SampleRows(const SampleSource& source, const RecordLayout& layout, RowRoom room, int capacity, Memory* memory);
 
   [[nodiscard]] int width() const noexcept { return source_.width; }
   [[nodiscard]] int height() const noexcept { return source_.height; }
@@ -65,14 +74,16 @@ class SampleRows {
   void move_row(const SampleRows& from, const SampleStep& step);
 
  private:
-  void add_sample(const float* sample, int x, SampleRow& row);
-  void add_position_and_randoms(const float* sample, int x, std::vector<float>& out, bool& was_broken) const;
+  void make_room(SampleRow& row, std::size_t samples) const;
+  [[nodiscard]] bool add_sample(const float* sample, int x, float* record);
+  void add_position_and_randoms(const float* sample, int x, float* out, bool& was_broken) const;
   void count_pixel(std::uint32_t samples);
-  void begin_passes(SampleRow& row) const;
+  void end_row();
 
   const SampleSource& source_;
   const RecordLayout& layout_;
-  int passes_;
+  RowRoom room_;
+  Memory* memory_;
   int rows_read_ = 0;
   std::vector<SampleRow> ring_;
   std::vector<SampleRow*> row_at_;  // of each row of the image, its place in the ring

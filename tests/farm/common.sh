@@ -13,6 +13,24 @@ trap cleanup EXIT
 fail() { echo "FAILED: $*" >&2; exit 1; }
 skip() { echo "skipped: $*"; exit 77; }
 
+# Runs the script again, with a third argument, where it may mount: in a mount name space of its own, so that what is mounted
+# goes with it.
+enter_own_mounts() {
+  local as_root=(unshare --mount)
+  [ "$(id -u)" -eq 0 ] || as_root=(unshare --user --map-root-user --mount)
+  "${as_root[@]}" mount -t tmpfs -o size=64k tmpfs "$folder" 2> /dev/null || skip "no file system can be mounted here"
+  "${as_root[@]}" "$0" "$stein" "$pathtracer" inside
+  exit
+}
+
+# Mounts a small file system as a folder, until the script ends.
+mount_disk() {  # FOLDER
+  mkdir "$1"
+  mount -t tmpfs -o size=64k tmpfs "$1"
+  mounted=$1
+  cleanup() { umount "$mounted"; rm -rf "$folder"; }
+}
+
 render() {  # FILE SEED [SIZE]
   "$pathtracer" --scene cornell --size "${3:-64x48}" --samples 4 --seed "$2" --quiet -o "$1"
 }

@@ -4,21 +4,11 @@
 # On a full disk, a small file system in memory, outputs stay as they were, and the exit code says that another try may succeed.
 . "$(dirname "$0")/common.sh"
 
-inside=${3:-}
-if [ -z "$inside" ]; then
-  # A mount name space of its own: what is mounted goes with it.
-  as_root=(unshare --mount)
-  [ "$(id -u)" -eq 0 ] || as_root=(unshare --user --map-root-user --mount)
-  "${as_root[@]}" mount -t tmpfs -o size=64k tmpfs "$folder" 2> /dev/null || skip "no file system can be mounted here"
-  "${as_root[@]}" "$0" "$stein" "$pathtracer" inside
-  exit
-fi
+[ $# -gt 2 ] || enter_own_mounts
 
 render "$folder/noisy.exr" 1 128x96
-mkdir "$folder/disk"
-mount -t tmpfs -o size=64k tmpfs "$folder/disk"
-cleanup() { umount "$folder/disk"; rm -rf "$folder"; }
 disk=$folder/disk
+mount_disk "$disk"
 for name in clean.exr picture.png report.json; do echo old > "$disk/$name"; done
 before=$(names_in "$disk")
 

@@ -84,7 +84,7 @@ TEST_CASE("cross-bilateral: equals the reference for any set of features, with a
   }
 }
 
-TEST_CASE("cross-bilateral: invalid pixels have no weight and bad features drop out of the distance") {
+TEST_CASE("cross-bilateral: invalid pixels have no weight, and unusable features are those of the pixels around") {
   OwnedFrame frame(33, 31, kUsualFeatures);
   fill_random(frame, 3);
   const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -94,6 +94,9 @@ TEST_CASE("cross-bilateral: invalid pixels have no weight and bad features drop 
   frame.at("G", 0, 30) = std::numeric_limits<float>::infinity();
   frame.at("albedo.variance.G", 9, 9) = nan;
   frame.at("depth.Z", 25, 4) = -std::numeric_limits<float>::infinity();
+  for (int x = 24; x < 28; ++x) {
+    for (int y = 20; y < 24; ++y) frame.at("albedo.R", x, y) = nan;  // in its middle the albedo drops out
+  }
   CHECK(deviation(CrossBilateralParams{}, frame.frame()) < 1e-5);
   CHECK(divergence_deviation(CrossBilateralParams{}, frame.frame(), Divergence::kJoint) < 1e-4);
 }

@@ -112,7 +112,7 @@ TEST_CASE("cross-nlm: equals the reference for any set of features") {
   }
 }
 
-TEST_CASE("cross-nlm: invalid pixels have no weight in window and patches, bad features drop out") {
+TEST_CASE("cross-nlm: invalid pixels have no weight in window and patches, unusable features are those around") {
   OwnedFrame frame(33, 31, kUsualFeatures);
   fill_random(frame, 3);
   const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -122,6 +122,9 @@ TEST_CASE("cross-nlm: invalid pixels have no weight in window and patches, bad f
   frame.at("G", 0, 30) = std::numeric_limits<float>::infinity();
   frame.at("albedo.variance.G", 9, 9) = nan;
   frame.at("depth.Z", 25, 4) = -std::numeric_limits<float>::infinity();
+  for (int x = 24; x < 28; ++x) {
+    for (int y = 20; y < 24; ++y) frame.at("albedo.R", x, y) = nan;  // in its middle the albedo drops out
+  }
   for (const PatchDistance distance : kDistances) {
     CHECK(deviation(small_bank(distance), frame.frame()) < 1e-5);
     CHECK(divergence_deviation(small_bank(distance), frame.frame(), Divergence::kJoint) < 1e-4);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <limits>
 #include <string>
 
 #include "input.hpp"
@@ -20,6 +21,22 @@ int32_t side(stein::fuzz::Values& values) {
   const auto any = values.take<int32_t>();
   const bool is_hostile = any % 8 == 7;
   return is_hostile ? std::min(any, 0) : std::abs(any % kMostPixels) + 1;
+}
+
+/// A denoiser of the caller's: what it does is said by the byte that `user` points to.
+int any_denoiser(const stein_frame* frame, float* const colour[3], ptrdiff_t row_stride, void* user) {
+  enum { kFails, kUnusable, kUnknownPlane, kLeavesZeros, kHuge, kKinds };
+  const int kind = *static_cast<const std::uint8_t*>(user) % (kKinds + 4);  // most often it does what it should
+  constexpr std::array<const char*, 3> kRgb = {"R", "G", "B"};
+  if (kind == kFails) return 0;
+  if (kind == kLeavesZeros) return 1;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const char* name = kind == kUnknownPlane ? "none" : kRgb[c];
+    if (stein_frame_copy(frame, name, colour[c], 0, row_stride) != STEIN_OK && kind != kUnknownPlane) return 0;
+    if (kind == kUnusable) colour[c][0] = std::numeric_limits<float>::quiet_NaN();
+    if (kind == kHuge) colour[c][0] = std::numeric_limits<float>::max();
+  }
+  return 1;
 }
 
 /// Handles and memory of one run of calls.
@@ -38,6 +55,7 @@ class Caller {
   }
 
   void run() {
+    if (stein_version() != STEIN_VERSION) std::abort();
     constexpr int kMostCalls = 64;
     for (int i = 0; i < kMostCalls && !values_.at_end(); ++i) {
       const auto number = values_.take<std::uint8_t>();
@@ -62,10 +80,19 @@ class Caller {
     stein_frame_add_feature(frame_, values_.text().c_str(), channels);
   }
 
-  ptrdiff_t stride() {
+  void add_layer() {
+    const auto channels = values_.take<int8_t>();
+    stein_frame_add_layer(frame_, values_.text().c_str(), channels);
+  }
+
+  static ptrdiff_t small_stride(std::uint8_t kind) {
     constexpr std::array<ptrdiff_t, 8> kSmall = {0, 0, 4, 8, 12, 48, 2, 192};
+    return kSmall[kind % kSmall.size()];
+  }
+
+  ptrdiff_t stride() {
     const auto kind = values_.take<std::uint8_t>();
-    return kind < 200 ? kSmall[kind % kSmall.size()] : values_.take<ptrdiff_t>();
+    return kind < 200 ? small_stride(kind) : values_.take<ptrdiff_t>();
   }
 
   void set_plane() {
@@ -87,6 +114,20 @@ class Caller {
     stein_frame_set_sample_count(frame_, 4);
   }
 
+  /// A layer, whole: one that is declared without planes is refused.
+  void set_layer() {
+    for (const char* name : {"light", "light.R", "light.G", "light.B"}) {
+      stein_frame_set_plane(frame_, name, STEIN_FLOAT32, memory_.data(), 0, 0);
+    }
+  }
+
+  void copy_frame() {
+    const std::string name = values_.text();
+    const ptrdiff_t pixel = small_stride(values_.take<std::uint8_t>());
+    const ptrdiff_t row = small_stride(values_.take<std::uint8_t>());
+    if (is_safe_) stein_frame_copy(frame_, name.c_str(), copy_.data(), pixel, row);
+  }
+
   void set_counts() {
     stein_frame_set_sample_count(frame_, values_.take<float>());
     stein_frame_set_degrees_of_freedom(frame_, values_.take<float>());
@@ -94,6 +135,7 @@ class Caller {
 
   void make_params() {
     stein_params_destroy(params_);
+    denoisers_ = 0;
     const std::string name = values_.text();
     stein_params_create(name.empty() ? nullptr : name.c_str(), &params_);
   }
@@ -106,6 +148,19 @@ class Caller {
   void set_number() {
     const auto number = values_.take<float>();
     stein_params_set_number(params_, values_.text().c_str(), number);
+  }
+
+  void add_denoiser() {
+    if (denoisers_ == kinds_.size()) return;  // each is run for several draws
+    std::uint8_t& kind = kinds_[denoisers_];
+    kind = values_.take<std::uint8_t>();
+    const auto draws = values_.take<int8_t>();
+    const auto step = values_.take<float>();
+    const auto seed = values_.take<uint64_t>();
+    const std::string name = values_.text();
+    if (stein_params_add_denoiser(params_, name.c_str(), kind == 255 ? nullptr : any_denoiser, &kind, draws, step,
+                                  seed) == STEIN_OK)
+      ++denoisers_;
   }
 
   void denoise() {
@@ -131,8 +186,8 @@ class Caller {
     stein_result_plane(result_, name.c_str(), &data, &row);
     stein_result_number(result_, name.c_str(), &number);
     stein_result_text(result_, name.c_str(), values_.take<int32_t>(), &text);
-    std::array<float, std::size_t{kMostPixels} * kMostPixels> copy{};
-    stein_result_copy(result_, name.c_str(), copy.data(), 0, 0);
+    const ptrdiff_t pixel = small_stride(values_.take<std::uint8_t>());
+    stein_result_copy(result_, name.c_str(), copy_.data(), pixel, small_stride(values_.take<std::uint8_t>()));
   }
 
   void make_film() {
@@ -161,16 +216,21 @@ class Caller {
     stein_film_frame(films_[0], &frame_);
   }
 
-  static constexpr std::array<Call, 13> kCalls = {
+  // New ones at the end: the corpus has their numbers.
+  static constexpr std::array<Call, 17> kCalls = {
       &Caller::make_frame,  &Caller::add_feature, &Caller::set_plane,  &Caller::set_colour, &Caller::set_counts,
       &Caller::make_params, &Caller::set_text,    &Caller::set_number, &Caller::denoise,    &Caller::look_at_result,
-      &Caller::make_film,   &Caller::use_film,    &Caller::take_film};
+      &Caller::make_film,   &Caller::use_film,    &Caller::take_film,  &Caller::add_layer,  &Caller::set_layer,
+      &Caller::copy_frame,  &Caller::add_denoiser};
 
   stein::fuzz::Values values_;
   std::array<float, kMemory> memory_{};
+  std::array<float, kMemory> copy_{};
   stein_frame* frame_ = nullptr;
   stein_params* params_ = nullptr;
   stein_result* result_ = nullptr;
+  std::array<std::uint8_t, 3> kinds_{};  // of the denoisers of params_
+  std::size_t denoisers_ = 0;
   std::array<stein_film*, 2> films_{};
   bool is_safe_ = true;
 };

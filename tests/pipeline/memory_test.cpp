@@ -89,6 +89,35 @@ TEST_CASE("denoise: everything in scratch files gives identical bits, for every 
   CHECK(ballast.back() == 'b');
 }
 
+TEST_CASE("denoise: other denoisers' images and weights in scratch files give identical bits") {
+  OwnedFrame owned(90, 170, kUsualFeatures);
+  fill_random(owned, 41);
+  owned.at("G", 9, 13) = std::numeric_limits<float>::quiet_NaN();
+  const Frame& frame = owned.frame();
+  const TemporaryFolder folder;
+  DenoiseParams params;
+  params.filters = {GaussianParams{}, AtrousParams{}};
+  std::vector<std::int64_t> held;  // in scratch files, when the denoiser is called
+  params.candidates.push_back({"other", ExternalDenoiser{.run = [&](const Frame& given) {
+                                 std::array<Plane, 3> image = Plane::triple(given.width, given.height);
+                                 for (std::size_t c = 0; c < 3; ++c) {
+                                   for (int y = 0; y < given.height; ++y)
+                                     given.colour[c].read_row(y, 0, given.width, image[c].row(y));
+                                 }
+                                 if (params.execution.memory)
+                                   held.push_back(params.execution.memory->usage().scratch_bytes);
+                                 return image;
+                               }}});
+  const DenoiseResult reference = denoise(frame, params);
+  const std::vector<char> ballast(static_cast<std::size_t>(kLeast), 'b');
+  params.execution.memory = std::make_shared<Memory>(MemoryLimit{kLeast, folder.path().string(), 0.0});
+  CHECK(same_bits(reference, denoise(frame, params)));
+  REQUIRE(held.size() == 2);
+  constexpr std::int64_t kPlane = std::int64_t{90} * 170 * 4;
+  CHECK(held[1] - held[0] >= 3 * kPlane);  // the moved colour at least
+  CHECK(ballast.back() == 'b');
+}
+
 TEST_CASE("denoise: windows in scratch files are warned of, with what would hold them") {
   const Scene scene(70, 60);
   const TemporaryFolder folder;

@@ -30,12 +30,11 @@ using Value = std::function<float(int x, int y, int c)>;
 std::vector<float> returned(const SampleImage& image, float sigma, const Value& filtered) {
   const stein::SampleSource source = image.source();
   const auto layout = stein::rpf::make_layout(source, RpfParams{});
-  SampleRows rows(source, layout, 1, image.height);
   const LightReturn light(sigma);
+  SampleRows rows(source, layout, {1, light.row_floats(image.width)}, image.height, nullptr);
   for (int y = 0; y < image.height; ++y) {
     rows.read_row();
     SampleRow& row = rows.row(y);
-    light.begin_row(image.width, row);
     for (int x = 0; x < image.width; ++x) {
       for (int c = 0; c < 3; ++c) row.pixels[0][static_cast<std::size_t>(3 * x + c)] = filtered(x, y, c);
       light.note_pixel(layout, 0, x, row);
@@ -44,7 +43,8 @@ std::vector<float> returned(const SampleImage& image, float sigma, const Value& 
   std::vector<float> out;
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; x += LightReturn::kSpan) light.run(1, x, y, rows);
-    out.insert(out.end(), rows.row(y).pixels[1].begin(), rows.row(y).pixels[1].end());
+    const float* row = rows.row(y).pixels[1];
+    out.insert(out.end(), row, row + std::ptrdiff_t{3} * image.width);
   }
   return out;
 }

@@ -3,11 +3,15 @@
 // Rows, threads, cancelling, and frames side by side in time.
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "catch.hpp"
 #include "rpf/samples.hpp"
 #include "stein/error.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace {
 
@@ -47,6 +51,37 @@ TEST_CASE("results have the same bits for any number of threads") {
   }
   params.seed = 2;
   CHECK(one.colour != filter_image(wall, params).colour);
+}
+
+TEST_CASE("rows in scratch files give the same bits, also where their pages are given back all the time") {
+  const TemporaryFolder folder;
+  constexpr std::int64_t kLeast = std::int64_t{1} << 27;
+  const std::vector<char> ballast(static_cast<std::size_t>(kLeast), 'b');  // the process holds what it may: it trims
+  SampleImage wall = make_wall(37, 90, 4);
+  for (std::size_t i = 0; i < wall.pixels.size(); ++i) {  // rows that are longer than those in whose place they come
+    for (std::size_t more = i / 37 / 20; more > 0; --more) {
+      const std::vector<float> first(wall.pixels[i].begin(), wall.pixels[i].begin() + wall.channels());
+      wall.pixels[i].insert(wall.pixels[i].end(), first.begin(), first.end());
+    }
+  }
+  wall.pixels[37 * 30 + 3].clear();
+  wall.pixels[37 * 31 + 3][0] = std::numeric_limits<float>::quiet_NaN();
+  RpfParams params = tiny_boxes();
+  params.draws = 1;
+  const std::vector<SampleImage> others = {make_wall(37, 90, 4, 2, 3)};
+  const FilteredImage plain = filter_image(wall, params, stein::test::on_threads(2), others);
+  CHECK(plain.report.scratch_bytes == 0);
+  stein::Execution limited = stein::test::on_threads(2);
+  limited.memory = std::make_shared<stein::Memory>(stein::MemoryLimit{kLeast, folder.path().string(), 0.0});
+  const FilteredImage filed = filter_image(wall, params, limited, others);
+  CHECK(plain.colour == filed.colour);
+  CHECK(plain.error == filed.error);
+  CHECK(filed.report.scratch_bytes > 37 * 50 * 4 * 16 * 4);  // a window of the frame's records alone
+  const auto& warnings = filed.report.warnings;
+  CHECK(std::any_of(warnings.begin(), warnings.end(),
+                    [](const std::string& text) { return text.find("windows of rows take") != std::string::npos; }));
+  CHECK(folder.entries() == 0);
+  CHECK(ballast.back() == 'b');
 }
 
 TEST_CASE("a tall image in a window of rows gives what its top gives alone, as far as the stages do not see the end") {

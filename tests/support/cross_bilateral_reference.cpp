@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 namespace stein::test {
 
@@ -11,6 +13,58 @@ bool is_valid(const Frame& frame, int x, int y) {
   colour_validity_row(frame, y, x, 1, &mask);
   return mask != 0;
 }
+
+namespace {
+
+/// What a feature is at a pixel: its means, and the per-sample variance, summed over the channels.
+struct FeaturePixel {
+  std::array<double, 4> mean{};
+  double variance = 0;
+};
+
+bool is_usable(const Feature& feature, int x, int y) {
+  float usable = 0;
+  feature_validity_row(feature, y, x, 1, &usable);
+  return usable != 0;
+}
+
+FeaturePixel own_feature(const Frame& frame, const Feature& feature, int x, int y) {
+  FeaturePixel pixel;
+  float n = 0;
+  sample_count_row(frame, y, x, 1, &n);
+  for (std::size_t k = 0; k < feature.mean.size(); ++k) {
+    pixel.mean[k] = feature.mean[k].at(x, y);
+    if (!feature.variance.empty()) pixel.variance += static_cast<double>(feature.variance[k].at(x, y)) * n;
+  }
+  return pixel;
+}
+
+/// Where it is unusable: by the pixels around, if half of them have it.
+std::optional<FeaturePixel> feature_at(const Frame& frame, const Feature& feature, int x, int y) {
+  if (is_usable(feature, x, y)) return own_feature(frame, feature, x, y);
+  std::vector<FeaturePixel> found;
+  int around = 0;
+  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, frame.height - 1); ++v) {
+    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, frame.width - 1); ++u) {
+      if (u == x && v == y) continue;
+      ++around;
+      if (is_usable(feature, u, v)) found.push_back(own_feature(frame, feature, u, v));
+    }
+  }
+  if (found.empty() || 2 * static_cast<int>(found.size()) < around) return std::nullopt;
+  FeaturePixel pixel;
+  const auto count = static_cast<double>(found.size());
+  for (const FeaturePixel& p : found) {
+    for (std::size_t k = 0; k < 4; ++k) pixel.mean[k] += p.mean[k] / count;
+  }
+  for (const FeaturePixel& p : found) {
+    pixel.variance += p.variance / count;
+    for (std::size_t k = 0; k < 4; ++k) pixel.variance += std::pow(p.mean[k] - pixel.mean[k], 2) / count;
+  }
+  return pixel;
+}
+
+}  // namespace
 
 double feature_distance(const FeatureGuides& guides, const Source& source, int xi, int yi, int xj, int yj,
                         const Nudge& nudge) {
@@ -21,30 +75,18 @@ double feature_distance(const FeatureGuides& guides, const Source& source, int x
     for (const FeatureSigma& entry : guides.feature_sigmas)
       sigma = entry.name == features[f].name ? entry.sigma : sigma;
     if (sigma == 0) continue;
-    float valid_i = 0;
-    float valid_j = 0;
-    feature_validity_row(features[f], yi, xi, 1, &valid_i);
-    feature_validity_row(features[f], yj, xj, 1, &valid_j);
-    if (valid_i == 0 || valid_j == 0) continue;
+    const std::optional<FeaturePixel> i = feature_at(source.frame(), features[f], xi, yi);
+    const std::optional<FeaturePixel> j = feature_at(source.frame(), features[f], xj, yj);
+    if (!i || !j) continue;
     const double scale = source.feature_scale(f);
+    const bool is_nudged =
+        !nudge.features.empty() && (xi != xj || yi != yj) && is_usable(features[f], xi, yi);  // its own value counts
     double squared = 0;
-    double variance = 0;
     for (std::size_t k = 0; k < features[f].mean.size(); ++k) {
-      const bool is_self = xi == xj && yi == yj;
-      const double step = nudge.features.empty() || is_self ? 0.0 : nudge.features[f][k];
-      const double difference =
-          scale * (static_cast<double>(features[f].mean[k].at(xi, yi)) + step - features[f].mean[k].at(xj, yj));
-      squared += difference * difference;
-      if (features[f].variance.empty()) continue;
-      float ni = 0;
-      float nj = 0;
-      sample_count_row(source.frame(), yi, xi, 1, &ni);
-      sample_count_row(source.frame(), yj, xj, 1, &nj);
-      variance += scale * scale *
-                  (static_cast<double>(features[f].variance[k].at(xi, yi)) * ni +
-                   static_cast<double>(features[f].variance[k].at(xj, yj)) * nj);
+      const double step = is_nudged ? nudge.features[f][k] : 0.0;
+      squared += std::pow(scale * (i->mean[k] + step - j->mean[k]), 2);
     }
-    variance /= static_cast<double>(features[f].mean.size());
+    const double variance = scale * scale * (i->variance + j->variance) / static_cast<double>(features[f].mean.size());
     sum += squared / std::max<double>(variance, guides.min_feature_variance) / (2.0 * sigma * sigma);
   }
   return sum;
