@@ -238,6 +238,13 @@ MixtureRisk Blend::block_risk(int column, int row, Pictures compared, float* lin
         const MixtureRows& picture = pictures_[static_cast<std::size_t>(k - 1)].rows;
         std::copy_n(picture.result(c, y) + x0, values.count, values.residual[k] + first);
         std::copy_n(picture.divergence(c, y) + x0, values.count, values.divergence[k] + first);
+        if (compared == 0) continue;
+        // The divergence of an external picture is measured, what its making chose included.
+        const float* optimism = picture.optimism(y) + x0;
+        for (int x = 0; x < values.count; ++x) {
+          const float F = values.residual[k][first + x];
+          values.divergence[k][first + x] += 0.5F * optimism[x] * (F * F + kRelativeEpsilon);
+        }
       }
       for (int x = 0; x < values.count; ++x) {
         float scale = 0;
