@@ -21,7 +21,8 @@ def test_less_error_than_the_input_and_the_estimate_is_near_it():
     result = stein.denoise(**scene.arguments())
     true_error = mse(result.colour, scene.truth)
     assert true_error < 0.2 * mse(scene.colour, scene.truth)
-    assert abs(float(result.error.mean()) - true_error) < 0.05 * mse(scene.colour, scene.truth)
+    # The risk's mean over 960 pixels and 3 channels has a standard error of sqrt(2 / 2880) of the noise: four of these.
+    assert abs(float(result.error.mean()) - true_error) < 0.105 * mse(scene.colour, scene.truth)
     assert result.density.mean() == pytest.approx(1, rel=1e-4)
 
 
