@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "exec/runner.hpp"
 #include "filters/filter.hpp"
 #include "filters/taps.hpp"
 #include "kernels/guides.hpp"
@@ -82,34 +83,39 @@ void kernel_cross_bilateral_range_term(benchmark::State& state) {
 }
 BENCHMARK(kernel_cross_bilateral_range_term);
 
-// All passes of a filter over a frame, tile by tile.
+// All passes of a filter over a square frame, tile by tile.
 template <class Params>
-void run_passes(benchmark::State& state, const Params& params) {
-  constexpr int kSize = 512;
+void run_passes(benchmark::State& state, const Params& params, int size = 512, int threads = 1) {
   constexpr int kWidth = 128;
   constexpr int kHeight = 32;
-  const BenchFrame frame(kSize, kSize);
+  const BenchFrame frame(size, size);
   const Source source(frame.frame(), inspect(frame.frame()));
-  const GuideRows guides = make_guides(params, source, kSize);
-  guides.prepare({0, 0, kSize, kSize});
-  const auto filter = prepare(params, {source, guides, kWidth, kHeight, kSize, Divergence::kPlain});
-  const exec::RowRing ring(filter->candidates() * CandidateRows::kPlanes, kSize, kSize);
-  FilterScratch scratch;
+  const GuideRows guides = make_guides(params, source, size);
+  guides.prepare({0, 0, size, size});
+  const auto filter = prepare(params, {source, guides, kWidth, kHeight, size, Divergence::kPlain});
+  const exec::RowRing ring(filter->candidates() * CandidateRows::kPlanes, size, size);
   const int passes = static_cast<int>(halos(params).size());
+  const int columns = size / kWidth;
+  Execution execution;
+  execution.threads = threads;
+  exec::Runner runner(execution);
+  std::vector<FilterScratch> scratch(static_cast<std::size_t>(runner.slots()));
   for (auto _ : state) {
     for (int pass = 0; pass < passes; ++pass) {
-      for (int y = 0; y < kSize; y += kHeight) {
-        for (int x = 0; x < kSize; x += kWidth) {
-          filter->run(pass, {x, y, x + kWidth, y + kHeight}, scratch, CandidateRows(ring));
-        }
-      }
+      runner.for_each(columns * size / kHeight, 0.0, [&](int tile, int slot) {
+        const int x = tile % columns * kWidth;
+        const int y = tile / columns * kHeight;
+        filter->run(pass, {x, y, x + kWidth, y + kHeight}, scratch[static_cast<std::size_t>(slot)],
+                    CandidateRows(ring));
+      });
     }
   }
-  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * kSize * kSize);
+  const double pixels = static_cast<double>(size) * size;
+  state.SetItemsProcessed(state.iterations() * size * size);
   if constexpr (std::is_same_v<Params, AdaptiveOrderParams>) {
     if (params.error == OrderError::kRisk) {
       state.counters["flops"] =
-          benchmark::Counter(kSize * kSize * regression_flops(params), benchmark::Counter::kIsIterationInvariantRate);
+          benchmark::Counter(pixels * regression_flops(params), benchmark::Counter::kIsIterationInvariantRate);
     }
   }
   state.SetLabel(kernels::instruction_set());
@@ -120,6 +126,10 @@ BENCHMARK(filter_atrous);
 
 void filter_atrous_sure(benchmark::State& state) { run_passes(state, AtrousSureParams{}); }
 BENCHMARK(filter_atrous_sure);
+
+// 1 Mpixel and two threads, as other denoisers are timed.
+void filter_atrous_sure_mpixel(benchmark::State& state) { run_passes(state, AtrousSureParams{}, 1024, 2); }
+BENCHMARK(filter_atrous_sure_mpixel)->UseRealTime()->Unit(benchmark::kMillisecond);
 
 // 19x19 pixels, ten dimensions, orders 1 and 3 with the error of both.
 void filter_adaptive_order_one_sigma(benchmark::State& state) {

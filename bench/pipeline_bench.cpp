@@ -33,6 +33,31 @@ BENCHMARK(pipeline_denoise)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
+// One bank on 1 Mpixel with two threads: joint SURE, or the plain one.
+void pipeline_filter(benchmark::State& state, const FilterSpec& filter, Risk risk) {
+  constexpr int kSide = 1024;
+  const BenchFrame frame(kSide, kSide, true);
+  DenoiseParams params;
+  params.filters = {filter};
+  params.risk = risk;
+  params.execution.threads = 2;
+  for (auto _ : state) benchmark::DoNotOptimize(denoise(frame.frame(), params));
+  state.SetItemsProcessed(state.iterations() * kSide * kSide);
+}
+
+CrossNlmParams nine_range_sigmas() {
+  CrossNlmParams params;
+  params.range_sigmas = {0.5F, 0.71F, 1.0F, 1.41F, 2.0F, 2.83F, 4.0F, 5.66F, 8.0F};
+  return params;
+}
+
+void one_round(benchmark::internal::Benchmark* bench) { bench->UseRealTime()->Unit(benchmark::kMillisecond); }
+BENCHMARK_CAPTURE(pipeline_filter, cross_bilateral, CrossBilateralParams{}, Risk::kJoint)->Apply(one_round);
+BENCHMARK_CAPTURE(pipeline_filter, cross_bilateral_plain, CrossBilateralParams{}, Risk::kPlain)->Apply(one_round);
+BENCHMARK_CAPTURE(pipeline_filter, cross_nlm_9, nine_range_sigmas(), Risk::kJoint)->Apply(one_round);
+BENCHMARK_CAPTURE(pipeline_filter, cross_nlm_9_plain, nine_range_sigmas(), Risk::kPlain)->Apply(one_round);
+BENCHMARK_CAPTURE(pipeline_filter, atrous_sure, AtrousSureParams{}, Risk::kAuto)->Apply(one_round);
+
 // A filter with layers of three channels, and the covariances of a renderer that has them.
 void pipeline_layers(benchmark::State& state, const char* filter) {
   constexpr int kSide = 512;
