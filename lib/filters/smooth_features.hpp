@@ -26,7 +26,7 @@ class SmoothFeatures {
   void prepare(const Rect& tile, FilterScratch& scratch) const;
 
   [[nodiscard]] int channels() const noexcept { return static_cast<int>(channels_.size()); }
-  /// The smoothed mean of a channel, normalised, and its variance; Source::kNoInformation where it is unusable.
+  /// The smoothed mean of a channel, normalised, and its variance; Source::kNoInformation where nothing is known of it.
   [[nodiscard]] const float* mean(int channel, int y) const noexcept { return ring_.row(2 * channel, y); }
   [[nodiscard]] const float* variance(int channel, int y) const noexcept { return ring_.row(2 * channel + 1, y); }
 

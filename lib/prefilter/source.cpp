@@ -292,11 +292,18 @@ void Source::feature_variance_row(std::size_t feature, std::size_t k, int y, int
     for (int i = 0; i < count; ++i) out[i] = std::min(out[i] * (scale * scale), kNoInformation);
   }
   if (feature_has_bad_[feature] == 0) return;
-  float is_usable[kChunk];
+  float n[kChunk];
   for (int start = 0; start < count; start += kChunk) {
     const int part = std::min(kChunk, count - start);
-    feature_validity_row(source, y, x + start, part, is_usable);
-    for (int i = 0; i < part; ++i) out[start + i] = is_usable[i] != 0.0F ? out[start + i] : kNoInformation;
+    const FeatureHoles holes(frame_, source, y, x + start, part);
+    sample_count_row(frame_, y, x + start, part, n);
+    for (int i = 0; i < part; ++i) {
+      if (!holes.is_hole(i)) continue;
+      const std::optional<FeatureFill> fill = holes.fill(i);
+      const float samples = n[i] > 1.0F ? std::min(n[i], kMostSamples) : 1.0F;  // 1 where it is no number
+      out[start + i] =
+          fill ? std::min(fill->sample_variance * (scale * scale) / samples, kNoInformation) : kNoInformation;
+    }
   }
 }
 

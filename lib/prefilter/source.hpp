@@ -72,7 +72,8 @@ class Source {
   /// distance.
   void feature_row(std::size_t feature, float factor, int y, int x, int count, float* const* means,
                    float* variance) const;
-  /// Variance of the mean of channel k of a feature in normalised units; kNoInformation where the feature is unusable.
+  /// Variance of the mean of channel k of a feature in normalised units. Where the feature is unusable: that of the
+  /// pixels around (FeatureHoles), for all channels alike, or kNoInformation.
   void feature_variance_row(std::size_t feature, std::size_t k, int y, int x, int count, float* out) const;
   /// Variance of what is to count nothing: large against any normalised distance, and does not overflow with it.
   static constexpr float kNoInformation = 1e10F;

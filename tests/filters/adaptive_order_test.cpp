@@ -230,14 +230,18 @@ TEST_CASE("adaptive-order: equals the reference where features repeat each other
   check_agreement(without_ridge, frame.frame(), {Divergence::kPlain, 17, 5});
 }
 
-TEST_CASE("adaptive-order: invalid pixels have no weight, and a window with an unusable feature goes without it") {
+TEST_CASE(
+    "adaptive-order: invalid pixels have no weight, and a window goes without a feature that nothing is known of") {
   OwnedFrame frame(33, 31, kUsualFeatures);
   fill_random(frame, 3);
   frame.at("R", 5, 5) = kNaN;
   frame.at("variance.B", 12, 7) = -1.0F;
   frame.at("sampleCount", 20, 20) = 0.0F;
   frame.at("G", 0, 30) = std::numeric_limits<float>::infinity();
-  frame.at("albedo.variance.G", 9, 9) = kNaN;
+  for (const auto& [x, y] : {std::pair(8, 8), {9, 8}, {10, 8}, {8, 9}, {9, 9}, {10, 9}, {8, 10}, {9, 10}, {10, 10}}) {
+    frame.at("albedo.variance.G", x, y) = kNaN;  // in the middle one the pixels around do not help
+  }
+  frame.at("normal.Y", 28, 20) = kNaN;  // here they do
   frame.at("depth.Z", 25, 4) = -std::numeric_limits<float>::infinity();
   for (const AdaptiveOrderParams& params : {small_bank(), spatial_bank()}) {
     check_agreement(params, frame.frame(), {Divergence::kPlain, 13, 8});

@@ -33,6 +33,12 @@ Seen seen(const Source& source, int x, int y, int first = 0) {
   return {{rows[0][i], rows[1][i], rows[2][i]}, rows[3][i]};
 }
 
+float variance_of_mean(const Source& source, std::size_t k, int x, int y, int first = 0) {
+  std::vector<float> row(kWidth);
+  source.feature_variance_row(0, k, y, first, kWidth - first, row.data());
+  return row[static_cast<std::size_t>(x - first)];
+}
+
 bool is_left_out(const Seen& pixel) { return pixel.mean[0] == 0.0F && pixel.variance >= 1e9F; }
 
 }  // namespace
@@ -70,6 +76,10 @@ TEST_CASE(
         spread += squares[k] / count - std::pow(sum[k] / count, 2);
       }
       CHECK(pixel.variance == Approx((variance / count + spread) / 3).epsilon(1e-4));
+      const double of_mean = pixel.variance / frame.at("sampleCount", x, y);
+      for (std::size_t k = 0; k < 3; ++k) {
+        CHECK(variance_of_mean(source, k, x, y, first) == Approx(of_mean).epsilon(1e-5));
+      }
     }
     frame.at("albedo.G", x, y) = before;
   }
@@ -83,6 +93,7 @@ TEST_CASE("where a feature is unusable in more than half of the pixels around as
   }
   const Source source(frame.frame(), inspect(frame.frame()));
   CHECK(is_left_out(seen(source, 21, 2)));
+  CHECK(variance_of_mean(source, 0, 21, 2) == Source::kNoInformation);
   CHECK(is_left_out(seen(source, 20, 2)));        // 3 of 8
   CHECK_FALSE(is_left_out(seen(source, 20, 1)));  // 5 of 8
   CHECK_FALSE(is_left_out(seen(source, 19, 1)));  // usable itself
