@@ -31,9 +31,9 @@ Bank::Bank(const std::string& file, const DenoiseParams& params, Risk risk)
   if (params_.outliers.enabled) source_->replace(find_outliers(*source_, params_.outliers, runner).pixels);
   layers_ = std::make_unique<LayerSource>(frame, report, *source_);
   geometry_ = {frame.width, frame.height, 128, 32, frame.height};
-  runs_ =
-      std::make_unique<FilterRuns>(*source_, *layers_, FilterPlan{params_.filters.front(), risk, params_.monte_carlo},
-                                   geometry_, std::vector<int>(), std::vector<int>(), runner.slots());
+  runs_ = std::make_unique<FilterRuns>(*source_, *layers_,
+                                       FilterPlan{params_.filters.front(), risk, params_.monte_carlo, true}, geometry_,
+                                       std::vector<int>(), std::vector<int>(), runner.slots());
   std::vector<exec::RowStage> stages;
   runs_->add_stages(
       {}, [](const Rect&, int) {}, stages);

@@ -25,9 +25,12 @@ enum class Selection : std::uint8_t {
               ///< near the borders of two choices
 };
 
-/// How the error of a candidate is estimated. All are unbiased for noise that is Gaussian and of the variances given.
+/// How the error of a candidate is estimated. All but kAuto are unbiased for noise that is Gaussian and of the
+/// variances given.
 enum class Risk : std::uint8_t {
-  kAuto,        ///< the best that filter and frame allow, see FilterShare::risk
+  /// The best that filter and frame allow, see FilterShare::risk. Where it is kJoint, the cross-bilateral bank takes
+  /// noise that comes in few large events, as on the rims of lamps, for what it is (docs/risk.md).
+  kAuto,
   kPlain,       ///< SURE in closed form, SBF Eq. 2: colour channels and features err independently
   kJoint,       ///< joint SURE in closed form, Joint SURE Eq. 2: with the frame's covariances, which it must have
   kMonteCarlo,  ///< joint SURE from runs of the filter on perturbed input; plain SURE where there are no covariances

@@ -12,6 +12,7 @@
 
 #include <numbers>
 
+#include "filters/count_noise.hpp"
 #include "filters/filter.hpp"
 #include "filters/taps.hpp"
 
@@ -28,10 +29,12 @@ class CrossBilateral final : public PreparedFilter {
         guides_(context.guides),
         layers_(context.layers),
         divergence_(context.divergence),
+        has_counts_(context.counts && context.divergence == Divergence::kJoint),
         has_covariance_(guides_.has_covariance(divergence_)),
         layout_(context.tile_width, context.tile_height, radius_of(params.spatial_sigmas)),
         taps_(params.spatial_sigmas, layout_),
-        scales_(static_cast<int>(params.spatial_sigmas.size())) {}
+        scales_(static_cast<int>(params.spatial_sigmas.size())),
+        counts_(source_, guides_, layout_.max_width, scales_) {}
 
   [[nodiscard]] int candidates() const noexcept override { return scales_; }
 
@@ -54,12 +57,13 @@ class CrossBilateral final : public PreparedFilter {
     row.spatial = taps_.spatial.data();
     row.scales = scales_;
     row.has_covariance = has_covariance_;
+    float* const lines = scratch.lines.reserve(has_covariance_ ? covariance_floats() + counts_.floats() : 0);
     for (int y = 0; y < tile.height(); ++y) {
-      row.guides = guides_.tile_row(planes, y);
-      if (has_covariance_) load_covariance(tile, tile.y0 + y, scratch.lines, row);
+      row.guides = row.centre = guides_.tile_row(planes, y);
+      float* own_variance[3];
       for (int c = 0; c < 3; ++c) {
         row.colour[c] = planes.row(colour + c, y);
-        row.variance[c] = planes.row(variance + c, y);
+        row.variance[c] = own_variance[c] = planes.row(variance + c, y);
         for (int s = 0; s < scales_; ++s) {
           row.result[s][c] = out.result(s, c, tile.y0 + y) + tile.x0;
           row.divergence[s][c] = out.divergence(s, c, tile.y0 + y) + tile.x0;
@@ -67,7 +71,9 @@ class CrossBilateral final : public PreparedFilter {
       }
       scratch.layers.set_values(planes, layer, out.layers(), y);
       scratch.layers.set_results(out, scales_, tile.x0, tile.y0 + y);
+      const bool has_counts = has_covariance_ && load_covariance(tile, tile.y0 + y, lines, own_variance, row);
       kernels::cross_bilateral_row(row);
+      if (has_counts) counts_.add(row, lines + covariance_floats());
     }
   }
 
@@ -85,28 +91,38 @@ class CrossBilateral final : public PreparedFilter {
     }
   }
 
-  void load_covariance(const Rect& tile, int y, exec::FloatBuffer& lines, kernels::CrossBilateralRow& row) const {
+  [[nodiscard]] std::ptrdiff_t covariance_pitch() const noexcept {
+    return layout_.max_width + kernels::kMaxLanes;  // rows do not share cache sets
+  }
+  [[nodiscard]] std::size_t covariance_floats() const noexcept {
+    return static_cast<std::size_t>(3 * guides_.channels() * covariance_pitch());
+  }
+
+  // Returns whether there are pixels whose noise is a count's.
+  bool load_covariance(const Rect& tile, int y, float* lines, float* const* variance,
+                       kernels::CrossBilateralRow& row) const {
     const int channels = guides_.channels();
-    const std::ptrdiff_t pitch = layout_.max_width + kernels::kMaxLanes;  // rows do not share cache sets
-    float* first = lines.reserve(static_cast<std::size_t>(3 * channels * pitch));
     float* rows[3 * kernels::kMaxGuideChannels];
     for (int k = 0; k < 3 * channels; ++k) {
-      rows[k] = first + k * pitch;
+      rows[k] = lines + k * covariance_pitch();
       row.covariance[k / channels][k % channels] = rows[k];
     }
     guides_.covariance_rows(divergence_, kSlope, y, tile.x0, tile.width(), rows);
     const int tail = (kernels::kMaxLanes - tile.width() % kernels::kMaxLanes) % kernels::kMaxLanes;
     for (int k = 0; k < 3 * channels; ++k) std::fill_n(rows[k] + tile.width(), tail, 0.0F);
+    return has_counts_ && counts_.split({row, tile.x0, y, rows, variance}, lines + covariance_floats());
   }
 
   const Source& source_;
   const GuideRows& guides_;
   const LayerSource* layers_;
   Divergence divergence_;
+  bool has_counts_;
   bool has_covariance_;
   exec::TileLayout layout_;
   ScaleTaps taps_;
   int scales_;
+  CountNoise counts_;
 };
 
 }  // namespace

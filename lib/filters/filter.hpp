@@ -96,6 +96,7 @@ struct FilterContext {
   int window_rows = 0;  ///< rows to keep of what a pass leaves for the next one
   Divergence divergence = Divergence::kPlain;
   const LayerSource* layers = nullptr;  ///< null: none will be wanted
+  bool counts = false;                  ///< with kJoint: CountNoise, where the filter knows it
 };
 
 /// One overload per filter, each in its own pair of files: the halo of each pass, the guides that the filter wants

@@ -64,6 +64,12 @@ void GuideRows::load(const Rect& tile, exec::TilePlanes& planes) const {
   });
 }
 
+double GuideRows::variance_of_mean(int g, double variance, double samples) const noexcept {
+  const Group& group = groups_[static_cast<std::size_t>(g)];
+  if (group.feature < 0 || !(samples > 0.0)) return 0.0;
+  return variance * group.channels * group.factor * group.factor / samples;
+}
+
 bool GuideRows::has_covariance(Divergence divergence) const noexcept {
   return std::any_of(groups_.begin(), groups_.end(), [&](const Group& group) {
     if (group.feature < 0) return true;

@@ -37,6 +37,11 @@ class GuideRows {
 
   /// Number of guide channels, the range term's included.
   [[nodiscard]] int channels() const noexcept { return channels_; }
+  /// Groups of channels with a variance of their own, as in the kernels' Guides.
+  [[nodiscard]] int groups() const noexcept { return static_cast<int>(groups_.size()); }
+  /// Variance of the mean of group g, the sum over its channels in the units of the kernels' Guides, of a pixel of so
+  /// many samples whose variance is `variance`; 0 for the range term, which has none.
+  [[nodiscard]] double variance_of_mean(int g, double variance, double samples) const noexcept;
   /// Whether any guide moves with the colour's noise.
   [[nodiscard]] bool has_covariance(Divergence divergence) const noexcept;
   /// Covariances of the mean of colour channel c with guide channel k, for pixels [x, x + count) of row y, to

@@ -67,9 +67,9 @@ HWY_INLINE void add_batch(FloatTag d, const CrossBilateralRow& row, std::ptrdiff
   FloatVec w[kTapBatch];
   FloatVec slope[3][kTapBatch];
   if constexpr (kJoint) {
-    guide_weights_and_slopes<kUsual>(d, row.guides, row.guides, row.covariance, x, taps, w, slope);
+    guide_weights_and_slopes<kUsual>(d, row.centre, row.guides, row.covariance, x, taps, w, slope);
   } else {
-    guide_weights<kUsual>(d, row.guides, row.guides, x, taps, w);
+    guide_weights<kUsual>(d, row.centre, row.guides, x, taps, w);
   }
   FloatVec part[kSumCount<kJoint>];
   part[0] = sum4(w);

@@ -294,7 +294,7 @@ DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {
   bool knows_covariances = true;
   for (const FilterSpec& filter : params.filters) {
     const RiskChoice risk = choose_risk(frame, filter, params);
-    plans.push_back({filter, risk.method, params.monte_carlo});
+    plans.push_back({filter, risk.method, params.monte_carlo, params.risk == Risk::kAuto});
     knows_covariances = knows_covariances && risk.knows_covariances;
     describe(std::string(filter_name(filter)), risk, report);
   }

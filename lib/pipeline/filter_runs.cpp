@@ -60,7 +60,7 @@ void FilterRuns::add_run(const std::optional<Perturbation>& perturbation, int gu
   const int pass_rows = exec::window_between(geometry_, passes_);
   const Divergence divergence = plan_.risk == Risk::kJoint ? Divergence::kJoint : Divergence::kPlain;
   run->filter = prepare(plan_.spec, {source, *run->guides, geometry_.tile_width, geometry_.tile_height, pass_rows,
-                                     divergence, perturbation ? nullptr : &layers_});
+                                     divergence, perturbation ? nullptr : &layers_, plan_.counts});
   entries_ = run->filter->candidates() + 1;
   if (entries_ > kMaxEntries) {
     throw Error(ErrorCode::kInvalidArgument, "the filter has " + std::to_string(entries_ - 1) +

@@ -19,6 +19,7 @@ struct FilterPlan {
   const FilterSpec& spec;
   Risk risk = Risk::kPlain;  ///< never kAuto
   const MonteCarloParams& monte_carlo;
+  bool counts = false;  ///< see FilterContext
   /// Runs of the filter: on the frame itself, and on perturbed ones.
   [[nodiscard]] int runs() const noexcept { return risk == Risk::kMonteCarlo ? 1 + monte_carlo.draws : 1; }
 };

@@ -148,6 +148,7 @@ TEST_CASE("risk: the error of a chosen result is right on average, though the ch
   NoisyScene scene({.feature_noise = true, .seed = 23});
   DenoiseParams params;
   params.filters = {CrossBilateralParams{}};
+  params.risk = Risk::kJoint;  // for Gaussian noise
   params.outliers.enabled = false;
   constexpr int kDraws = 1500;
   double truth = 0;

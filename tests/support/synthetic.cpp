@@ -111,8 +111,8 @@ BankResult run_filter(const FilterSpec& spec, const Frame& frame, const RunOptio
   const Source source = options.perturbation ? own.perturbed(*options.perturbation) : own;
   const GuideRows guides = make_guides(spec, source, frame.height);
   guides.prepare({0, 0, frame.width, frame.height});
-  const auto filter =
-      prepare(spec, {source, guides, options.tile_width, options.tile_height, frame.height, options.divergence});
+  const auto filter = prepare(spec, {source, guides, options.tile_width, options.tile_height, frame.height,
+                                     options.divergence, nullptr, options.counts});
   const exec::RowRing ring(filter->candidates() * CandidateRows::kPlanes, frame.width, frame.height);
   const CandidateRows rows(ring);
   FilterScratch scratch;

@@ -85,6 +85,7 @@ struct RunOptions {
   int tile_height = 32;
   Divergence divergence = Divergence::kJoint;
   std::optional<Perturbation> perturbation = std::nullopt;
+  bool counts = false;
 };
 BankResult run_filter(const FilterSpec& spec, const Frame& frame, const RunOptions& options = {});
 
