@@ -51,12 +51,12 @@ CrossNlmParams nine_range_sigmas() {
   return params;
 }
 
-void one_round(benchmark::internal::Benchmark* bench) { bench->UseRealTime()->Unit(benchmark::kMillisecond); }
-BENCHMARK_CAPTURE(pipeline_filter, cross_bilateral, CrossBilateralParams{}, Risk::kJoint)->Apply(one_round);
-BENCHMARK_CAPTURE(pipeline_filter, cross_bilateral_plain, CrossBilateralParams{}, Risk::kPlain)->Apply(one_round);
-BENCHMARK_CAPTURE(pipeline_filter, cross_nlm_9, nine_range_sigmas(), Risk::kJoint)->Apply(one_round);
-BENCHMARK_CAPTURE(pipeline_filter, cross_nlm_9_plain, nine_range_sigmas(), Risk::kPlain)->Apply(one_round);
-BENCHMARK_CAPTURE(pipeline_filter, atrous_sure, AtrousSureParams{}, Risk::kAuto)->Apply(one_round);
+void in_real_time(benchmark::internal::Benchmark* bench) { bench->UseRealTime()->Unit(benchmark::kMillisecond); }
+BENCHMARK_CAPTURE(pipeline_filter, cross_bilateral, CrossBilateralParams{}, Risk::kJoint)->Apply(in_real_time);
+BENCHMARK_CAPTURE(pipeline_filter, cross_bilateral_plain, CrossBilateralParams{}, Risk::kPlain)->Apply(in_real_time);
+BENCHMARK_CAPTURE(pipeline_filter, cross_nlm_9, nine_range_sigmas(), Risk::kJoint)->Apply(in_real_time);
+BENCHMARK_CAPTURE(pipeline_filter, cross_nlm_9_plain, nine_range_sigmas(), Risk::kPlain)->Apply(in_real_time);
+BENCHMARK_CAPTURE(pipeline_filter, atrous_sure, AtrousSureParams{}, Risk::kAuto)->Apply(in_real_time);
 
 // A filter with layers of three channels, and the covariances of a renderer that has them.
 void pipeline_layers(benchmark::State& state, const char* filter) {

@@ -42,7 +42,7 @@ void PartReader::read_all(const Imf::FrameBuffer& target, std::int64_t row_bytes
   if (memory != nullptr && memory->limit().bytes > 0) {
     constexpr std::int64_t kShare = 16;
     const std::int64_t blocks = memory->limit().bytes / kShare / (row_bytes * block_rows_);
-    rows = static_cast<int>(std::clamp<std::int64_t>(blocks * block_rows_, block_rows_, rows));
+    rows = static_cast<int>(std::min<std::int64_t>(std::max<std::int64_t>(blocks, 1) * block_rows_, rows));
   }
   for (int y = 0; y < height_; y += rows) {
     read(target, top_ + y, top_ + std::min(y + rows, height_) - 1);

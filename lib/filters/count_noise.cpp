@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 namespace stein {
@@ -13,8 +12,7 @@ constexpr int kBlock = kernels::kMaxLanes;
 constexpr double kMostEvents = 16.0;  // of more, one is a small step
 // Least distance from itself, as an exponent of 2, that an event less must take a pixel: below, the derivative will do.
 constexpr double kLeastMove = 0.3;
-constexpr double kSlope = 2.0 * std::numbers::ln2;  // see CrossBilateralRow::covariance
-constexpr int kSingleLines = 12;                    // of Lines, beside guides and results
+constexpr int kSingleLines = 12;  // of Lines, beside guides and results
 
 }  // namespace
 
@@ -125,7 +123,7 @@ double CountNoise::move_guides(const Pixels& pixels, int i, Count& count, const 
     for (; k < guides.group_end[g]; ++k) {
       double sum = 0;
       for (int c = 0; c < 3; ++c) sum += pixels.covariance[c * channels + k][i];
-      count.guide[k] = sum / (3 * kSlope);
+      count.guide[k] = sum / (3 * kGuideSlope);
       to.channel[k][i] = static_cast<float>(guides.channel[k][i] - count.guide[k] * count.step);
       square += count.guide[k] * count.guide[k];
     }
@@ -146,7 +144,7 @@ void CountNoise::take_out(const Pixels& pixels, int i, const Count& count) const
     pixels.variance[c][i] = static_cast<float>(std::max(0.0, pixels.variance[c][i] - share * count.colour[c]));
     for (int k = 0; k < channels; ++k) {
       float& covariance = pixels.covariance[c * channels + k][i];
-      covariance = static_cast<float>(covariance - kSlope * share * count.guide[k]);
+      covariance = static_cast<float>(covariance - kGuideSlope * share * count.guide[k]);
     }
   }
 }

@@ -10,17 +10,12 @@
 // F, D          | kernels/cross_bilateral.cpp                       | 5, 7 (= 13); Joint SURE Eq. 2
 #include "kernels/cross_bilateral.hpp"
 
-#include <numbers>
-
 #include "filters/count_noise.hpp"
 #include "filters/filter.hpp"
 #include "filters/taps.hpp"
 
 namespace stein {
 namespace {
-
-// -dw/df over w, for w = 2^-d and the guides' d, is this times (f_i - f_j) / V.
-constexpr float kSlope = static_cast<float>(2.0 * std::numbers::ln2);
 
 class CrossBilateral final : public PreparedFilter {
  public:
@@ -107,7 +102,7 @@ class CrossBilateral final : public PreparedFilter {
       rows[k] = lines + k * covariance_pitch();
       row.covariance[k / channels][k % channels] = rows[k];
     }
-    guides_.covariance_rows(divergence_, kSlope, y, tile.x0, tile.width(), rows);
+    guides_.covariance_rows(divergence_, kGuideSlope, y, tile.x0, tile.width(), rows);
     const int tail = (kernels::kMaxLanes - tile.width() % kernels::kMaxLanes) % kernels::kMaxLanes;
     for (int k = 0; k < 3 * channels; ++k) std::fill_n(rows[k] + tile.width(), tail, 0.0F);
     return has_counts_ && counts_.split({row, tile.x0, y, rows, variance}, lines + covariance_floats());

@@ -12,7 +12,6 @@
 #include "kernels/cross_nlm.hpp"
 
 #include <algorithm>
-#include <numbers>
 
 #include "filters/blurred_rows.hpp"
 #include "filters/filter.hpp"
@@ -21,8 +20,6 @@
 
 namespace stein {
 namespace {
-
-constexpr float kSlope = static_cast<float>(2.0 * std::numbers::ln2);  // see CrossBilateralRow::covariance
 
 int tile_halo(const CrossNlmParams& params) { return params.window_radius + std::max(params.patch_radius, 1); }
 
@@ -72,7 +69,7 @@ class CrossNlm final : public PreparedFilter {
       rows.noise = planes.row(colour + 7, y);
       const Rect target{tile.x0, tile.y0 + y, tile.x1, tile.y0 + y + rows.rows};
       own.load(target, own_memory, rows.colour_covariance, rows.guide_covariance, [&](int image_y, float* const* to) {
-        guides_.covariance_rows(divergence_, kSlope, image_y, target.x0, target.width(), to);
+        guides_.covariance_rows(divergence_, kGuideSlope, image_y, target.x0, target.width(), to);
       });
       set_outputs(target, out, rows.candidates, rows);
       set_layers(target, out, rows.candidates, planes, layer, y, scratch.layers);

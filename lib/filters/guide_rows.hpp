@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <numbers>
 #include <vector>
 
 #include "exec/buffers.hpp"
@@ -14,6 +15,9 @@
 #include "stein/filters.hpp"
 
 namespace stein {
+
+/// -dw/df over w, for a weight w = 2^-d of the kernels' Guides, is this times (f_i - f_j) / V.
+inline constexpr float kGuideSlope = static_cast<float>(2.0 * std::numbers::ln2);
 
 /// What the divergence of a filter accounts for.
 enum class Divergence {

@@ -10,7 +10,7 @@ inline constexpr int kMaxScales = 8;
 /// One row of a cross-bilateral bank: candidate s has weights 2^-d * spatial[s] over the taps that reach it.
 struct CrossBilateralRow {
   Guides guides;
-  Guides centre;             ///< of the target pixels, where they differ from `guides` at tap 0
+  Guides centre;             ///< what the target pixels look for their like with: `guides`, or others at tap 0
   const float* colour[3];    ///< as the guides: the row's first target pixel, neighbours at the taps' offsets
   const float* variance[3];  ///< of the mean; target pixels only
   int count = 0;             ///< target pixels; rows are read and written up to the next multiple of kMaxLanes

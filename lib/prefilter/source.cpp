@@ -257,6 +257,18 @@ void Source::raise_variance_row(std::size_t feature, int y, int x, int count, fl
   }
 }
 
+template <class Visit>
+void Source::for_each_hole(std::size_t feature, int y, int x, int count, Visit visit) const {
+  if (feature_has_bad_[feature] == 0) return;
+  for (int start = 0; start < count; start += kChunk) {
+    const int part = std::min(kChunk, count - start);
+    const FeatureHoles holes(frame_, frame_.features[feature], y, x + start, part);
+    for (int i = 0; i < part; ++i) {
+      if (holes.is_hole(i)) visit(start + i, holes.fill(i));
+    }
+  }
+}
+
 void Source::feature_row(std::size_t feature, float factor, int y, int x, int count, float* const* means,
                          float* variance) const {
   const Feature& source = frame_.features[feature];
@@ -269,18 +281,11 @@ void Source::feature_row(std::size_t feature, float factor, int y, int x, int co
   }
   group_variance_row(feature, y, x, count, variance);
   if (frame_.degrees_of_freedom > 0) raise_variance_row(feature, y, x, count, variance);
-  if (feature_has_bad_[feature] == 0) return;
-  for (int start = 0; start < count; start += kChunk) {
-    const int part = std::min(kChunk, count - start);
-    const FeatureHoles holes(frame_, source, y, x + start, part);
-    for (int i = 0; i < part; ++i) {
-      if (!holes.is_hole(i)) continue;
-      const std::optional<FeatureFill> fill = holes.fill(i);
-      for (std::size_t k = 0; k < channels; ++k)
-        means[k][start + i] = fill ? std::clamp(fill->mean[k] * (scale * factor), -kLargest, kLargest) : 0.0F;
-      variance[start + i] = fill ? std::min(fill->sample_variance * scale * scale, kNoInformation) : kNoInformation;
-    }
-  }
+  for_each_hole(feature, y, x, count, [&](int i, const std::optional<FeatureFill>& fill) {
+    for (std::size_t k = 0; k < channels; ++k)
+      means[k][i] = fill ? std::clamp(fill->mean[k] * (scale * factor), -kLargest, kLargest) : 0.0F;
+    variance[i] = fill ? std::min(fill->sample_variance * scale * scale, kNoInformation) : kNoInformation;
+  });
 }
 
 void Source::feature_variance_row(std::size_t feature, std::size_t k, int y, int x, int count, float* out) const {
@@ -291,20 +296,12 @@ void Source::feature_variance_row(std::size_t feature, std::size_t k, int y, int
     source.variance[k].read_row(y, x, count, out);
     for (int i = 0; i < count; ++i) out[i] = std::min(out[i] * (scale * scale), kNoInformation);
   }
-  if (feature_has_bad_[feature] == 0) return;
-  float n[kChunk];
-  for (int start = 0; start < count; start += kChunk) {
-    const int part = std::min(kChunk, count - start);
-    const FeatureHoles holes(frame_, source, y, x + start, part);
-    sample_count_row(frame_, y, x + start, part, n);
-    for (int i = 0; i < part; ++i) {
-      if (!holes.is_hole(i)) continue;
-      const std::optional<FeatureFill> fill = holes.fill(i);
-      const float samples = n[i] > 1.0F ? std::min(n[i], kMostSamples) : 1.0F;  // 1 where it is no number
-      out[start + i] =
-          fill ? std::min(fill->sample_variance * (scale * scale) / samples, kNoInformation) : kNoInformation;
-    }
-  }
+  for_each_hole(feature, y, x, count, [&](int i, const std::optional<FeatureFill>& fill) {
+    float n = 0;
+    sample_count_row(frame_, y, x + i, 1, &n);
+    n = n > 1.0F ? std::min(n, kMostSamples) : 1.0F;  // 1 where it is no number
+    out[i] = fill ? std::min(fill->sample_variance * (scale * scale) / n, kNoInformation) : kNoInformation;
+  });
 }
 
 }  // namespace stein

@@ -81,6 +81,9 @@ class Source {
  private:
   void group_variance_row(std::size_t feature, int y, int x, int count, float* out) const;
   void raise_variance_row(std::size_t feature, int y, int x, int count, float* variance) const;
+  /// Calls visit(i, fill) for each pixel x + i of the row in which the feature is unusable.
+  template <class Visit>
+  void for_each_hole(std::size_t feature, int y, int x, int count, Visit visit) const;
   void add_step(std::size_t feature, std::size_t k, float factor, int y, int x, int count, float* mean) const;
 
   const Frame& frame_;
