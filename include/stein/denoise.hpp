@@ -28,8 +28,8 @@ enum class Selection : std::uint8_t {
 /// How the error of a candidate is estimated. All but kAuto are unbiased for noise that is Gaussian and of the
 /// variances given.
 enum class Risk : std::uint8_t {
-  /// The best that filter and frame allow, see FilterShare::risk. Where it is kJoint, the cross-bilateral bank takes
-  /// noise that comes in few large events, as on the rims of lamps, for what it is (docs/risk.md).
+  /// The best that filter and frame allow, see FilterShare::risk. Where it is kJoint, the cross-bilateral and the
+  /// cross-NLM bank take noise that comes in few large events, as on the rims of lamps, for what it is (docs/risk.md).
   kAuto,
   kPlain,       ///< SURE in closed form, SBF Eq. 2: colour channels and features err independently
   kJoint,       ///< joint SURE in closed form, Joint SURE Eq. 2: with the frame's covariances, which it must have

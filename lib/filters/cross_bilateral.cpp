@@ -10,6 +10,8 @@
 // F, D          | kernels/cross_bilateral.cpp                       | 5, 7 (= 13); Joint SURE Eq. 2
 #include "kernels/cross_bilateral.hpp"
 
+#include <algorithm>
+
 #include "filters/count_noise.hpp"
 #include "filters/filter.hpp"
 #include "filters/taps.hpp"
@@ -29,7 +31,7 @@ class CrossBilateral final : public PreparedFilter {
         layout_(context.tile_width, context.tile_height, radius_of(params.spatial_sigmas)),
         taps_(params.spatial_sigmas, layout_),
         scales_(static_cast<int>(params.spatial_sigmas.size())),
-        counts_(source_, guides_, layout_.max_width, scales_) {}
+        counts_(source_, guides_, layout_.max_width) {}
 
   [[nodiscard]] int candidates() const noexcept override { return scales_; }
 
@@ -52,7 +54,7 @@ class CrossBilateral final : public PreparedFilter {
     row.spatial = taps_.spatial.data();
     row.scales = scales_;
     row.has_covariance = has_covariance_;
-    float* const lines = scratch.lines.reserve(has_covariance_ ? covariance_floats() + counts_.floats() : 0);
+    float* const lines = scratch.lines.reserve(has_covariance_ ? covariance_floats() + count_floats() : 0);
     for (int y = 0; y < tile.height(); ++y) {
       row.guides = row.centre = guides_.tile_row(planes, y);
       float* own_variance[3];
@@ -68,7 +70,7 @@ class CrossBilateral final : public PreparedFilter {
       scratch.layers.set_results(out, scales_, tile.x0, tile.y0 + y);
       const bool has_counts = has_covariance_ && load_covariance(tile, tile.y0 + y, lines, own_variance, row);
       kernels::cross_bilateral_row(row);
-      if (has_counts) counts_.add(row, lines + covariance_floats());
+      if (has_counts) add_counts(row, lines + covariance_floats());
     }
   }
 
@@ -105,7 +107,81 @@ class CrossBilateral final : public PreparedFilter {
     guides_.covariance_rows(divergence_, kGuideSlope, y, tile.x0, tile.width(), rows);
     const int tail = (kernels::kMaxLanes - tile.width() % kernels::kMaxLanes) % kernels::kMaxLanes;
     for (int k = 0; k < 3 * channels; ++k) std::fill_n(rows[k] + tile.width(), tail, 0.0F);
-    return has_counts_ && counts_.split({row, tile.x0, y, rows, variance}, lines + covariance_floats());
+    return has_counts_ && split_counts(tile, y, lines + covariance_floats(), rows, variance, row);
+  }
+
+  // Memory of counts: covariances of two colour channels, CountNoise's, then ones, and of a bank with an event less the
+  // results and one over the sums of weights.
+  static constexpr std::ptrdiff_t kPairs = 3;
+  [[nodiscard]] std::size_t count_floats() const noexcept {
+    return counts_.floats() + static_cast<std::size_t>((kPairs + 1 + std::ptrdiff_t{6} * scales_) * counts_.pitch());
+  }
+
+  bool split_counts(const Rect& tile, int y, float* scratch, float* const* guide_covariance, float* const* variance,
+                    const kernels::CrossBilateralRow& row) const {
+    constexpr std::size_t kChannels[kPairs][2] = {{0, 1}, {0, 2}, {1, 2}};
+    float* colour[] = {variance[0], variance[1], variance[2], nullptr, nullptr, nullptr};
+    for (int p = 0; p < kPairs; ++p) {
+      colour[3 + p] = scratch + p * counts_.pitch();
+      source_.colour_covariance_row(kChannels[p][0], kChannels[p][1], y, tile.x0, tile.width(), colour[3 + p]);
+    }
+    return counts_.split({row.guides, row.colour, guide_covariance, colour, tile.x0, y, tile.width()},
+                         scratch + kPairs * counts_.pitch());
+  }
+
+  // Adds the counts' part to the divergences of a row whose pixels were split, and filtered.
+  void add_counts(const kernels::CrossBilateralRow& row, float* scratch) const {
+    const CountNoise::Less less = counts_.less(scratch + kPairs * counts_.pitch());
+    float* const bank = scratch + kPairs * counts_.pitch() + counts_.floats();
+    std::fill_n(bank, counts_.pitch(), 1.0F);
+    for (int begin = 0; begin < row.count; begin += kernels::kMaxLanes) {
+      const int end = std::min(begin + kernels::kMaxLanes, row.count);
+      int i = begin;
+      while (i < end && !less.has_count(i)) ++i;
+      if (i < end) add_counts(row, less, begin, end - begin, bank);
+    }
+  }
+
+  // The bank as pixels with an event less see their neighbours. Among these is what they are now: it is taken out
+  // again, and what they would be put in its place.
+  void add_counts(const kernels::CrossBilateralRow& row, const CountNoise::Less& less, int begin, int count,
+                  float* bank) const {
+    kernels::CrossBilateralRow other = row;
+    other.count = count;
+    other.has_covariance = false;
+    other.layers = {};
+    const auto shift = [&](kernels::Guides& guides) {
+      for (int k = 0; k < guides_.channels(); ++k) guides.channel[k] += begin;
+      for (int g = 0; g < guides.groups; ++g) guides.variance[g] += begin;
+      guides.mask += begin;
+    };
+    shift(other.guides);
+    other.centre = other.guides;
+    for (int k = 0; k < guides_.channels(); ++k) other.centre.channel[k] = less.channel[k] + begin;
+    for (int g = 0; g < guides_.groups(); ++g) other.centre.variance[g] = less.variance[g] + begin;
+    for (int c = 0; c < 3; ++c) {
+      other.colour[c] += begin;
+      other.variance[c] = bank;
+      for (int s = 0; s < scales_; ++s) {
+        other.result[s][c] = bank + (1 + 6 * s + c) * counts_.pitch();
+        other.divergence[s][c] = bank + (4 + 6 * s + c) * counts_.pitch();
+      }
+    }
+    kernels::cross_bilateral_row(other);
+    for (int i = 0; i < count; ++i) {
+      const int x = begin + i;
+      if (!less.has_count(x)) continue;
+      const double likeness = less.likeness[x];
+      for (int c = 0; c < 3; ++c) {
+        for (int s = 0; s < scales_; ++s) {
+          const double inverse = other.divergence[s][c][i];
+          const double weight = inverse > 0.0 ? 1.0 / inverse : 0.0;
+          const double sum = other.result[s][c][i] * weight - likeness * row.colour[c][x];
+          const double F = (sum + less.colour[c][x]) / (weight - likeness + 1.0);
+          row.divergence[s][c][x] += static_cast<float>(less.factor[c][x] * (row.result[s][c][x] - F));
+        }
+      }
+    }
   }
 
   const Source& source_;

@@ -41,6 +41,11 @@ class OwnCovariances {
   /// Floats of all planes.
   [[nodiscard]] std::size_t floats() const noexcept { return static_cast<std::size_t>(planes() * plane_stride_); }
 
+  /// Row y of every plane of `memory`: the colour's, then [c * channels + channel].
+  void set_rows(float* memory, int y, float** rows) const {
+    for (int k = 0; k < planes(); ++k) rows[k] = memory + k * plane_stride_ + y * pitch_;
+  }
+
   /// Fills `memory`, floats() of it, for the rows of the target, and points at it: colour[k], others[c][channel].
   /// load_others(y, rows) writes row y to rows[c * channels + channel], if there are further channels.
   template <std::size_t kMost, class LoadOthers>
@@ -52,7 +57,7 @@ class OwnCovariances {
     }
     float* rows[kColour + 3 * kMost];
     for (int y = 0; y < target.height(); ++y) {
-      for (int k = 0; k < planes(); ++k) rows[k] = memory + k * plane_stride_ + y * pitch_;
+      set_rows(memory, y, rows);
       load_colour(target, target.y0 + y, rows);
       if (channels_ > 0) load_others(target.y0 + y, rows + kColour);
       pad(target.width(), rows);

@@ -76,4 +76,8 @@ inline constexpr std::size_t kNlmPatchFloats = kNlmPatchWidth * std::size_t{kNlm
 
 void cross_nlm_rows(const CrossNlmRows& rows);
 
+/// F alone, of all candidates at one pixel of the block, `pixel` from its first: for single pixels that are looked at
+/// with other inputs than those they have.
+void cross_nlm_pixel(const CrossNlmRows& rows, std::ptrdiff_t pixel, float (&result)[kMaxRangeSigmas][3]);
+
 }  // namespace stein::kernels

@@ -67,30 +67,51 @@ struct Pair {
   FloatVec factor;
 };
 
+// What a pair compares of one of its pixels; noise and mask where they matter.
+struct PairSide {
+  HWY_INLINE PairSide() {}  // NOLINT(modernize-use-equals-default): see Distances
+  FloatVec colour[3];
+  FloatVec noise;
+  FloatVec mask;
+};
+
+// Reads the pixels of a vector, or one for all lanes: `read` makes a vector of a pointer.
+template <bool kNormalised, bool kMasked, class Read>
+HWY_INLINE PairSide pair_side(const CrossNlmRows& rows, std::ptrdiff_t at, Read read) {
+  PairSide side;
+  for (int c = 0; c < 3; ++c) side.colour[c] = read(rows.blurred[c] + at);
+  if constexpr (kNormalised) side.noise = read(rows.noise + at);
+  if constexpr (kMasked) side.mask = read(rows.guides.mask + at);
+  return side;
+}
+
 // |a - b|^2, or (|a - b|^2 - (v_a + min(v_a, v_b))) / (v_a + v_b); 0 unless both are sources.
 template <bool kNormalised, bool kMasked>
-HWY_INLINE Pair pair_at(FloatTag d, const CrossNlmRows& rows, std::ptrdiff_t a, std::ptrdiff_t b) {
+HWY_INLINE Pair pair_of(FloatTag d, const PairSide& a, const PairSide& b) {
   Pair pair;
-  for (int c = 0; c < 3; ++c) {
-    pair.difference[c] = hn::Sub(hn::LoadU(d, rows.blurred[c] + a), hn::LoadU(d, rows.blurred[c] + b));
-  }
+  for (int c = 0; c < 3; ++c) pair.difference[c] = hn::Sub(a.colour[c], b.colour[c]);
   const FloatVec e0 = pair.difference[0];
   const FloatVec e1 = pair.difference[1];
   const FloatVec e2 = pair.difference[2];
   pair.distance = hn::MulAdd(e2, e2, hn::MulAdd(e1, e1, hn::Mul(e0, e0)));
   pair.factor = hn::Set(d, 1.0F);
   if constexpr (kNormalised) {
-    const FloatVec va = hn::LoadU(d, rows.noise + a);
-    const FloatVec vb = hn::LoadU(d, rows.noise + b);
-    pair.factor = reciprocal(d, hn::Max(hn::Add(va, vb), hn::Set(d, kLeastNoise)));
-    pair.distance = hn::Mul(hn::Sub(pair.distance, hn::Add(va, hn::Min(va, vb))), pair.factor);
+    pair.factor = reciprocal(d, hn::Max(hn::Add(a.noise, b.noise), hn::Set(d, kLeastNoise)));
+    pair.distance = hn::Mul(hn::Sub(pair.distance, hn::Add(a.noise, hn::Min(a.noise, b.noise))), pair.factor);
   }
   if constexpr (kMasked) {
-    const FloatVec both = hn::Mul(hn::LoadU(d, rows.guides.mask + a), hn::LoadU(d, rows.guides.mask + b));
+    const FloatVec both = hn::Mul(a.mask, b.mask);
     pair.distance = hn::Mul(pair.distance, both);
     pair.factor = hn::Mul(pair.factor, both);
   }
   return pair;
+}
+
+template <bool kNormalised, bool kMasked>
+HWY_INLINE Pair pair_at(FloatTag d, const CrossNlmRows& rows, std::ptrdiff_t a, std::ptrdiff_t b) {
+  const auto load = [d](const float* from) HWY_ATTR { return hn::LoadU(d, from); };
+  return pair_of<kNormalised, kMasked>(d, pair_side<kNormalised, kMasked>(rows, a, load),
+                                       pair_side<kNormalised, kMasked>(rows, b, load));
 }
 
 template <bool kNormalised, bool kMasked, bool kSlopes>

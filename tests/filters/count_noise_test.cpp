@@ -2,11 +2,15 @@
 //
 // Noise of pixels of which a few samples see a lamp: by an independent look at what one sample less would give, and
 // over many realisations against the true error.
+#include <hwy/highway.h>
+#include <hwy/targets.h>
+
 #include <array>
 #include <cmath>
 
 #include "catch.hpp"
 #include "support/cross_bilateral_reference.hpp"
+#include "support/cross_nlm_reference.hpp"
 #include "support/statistics.hpp"
 #include "support/synthetic.hpp"
 
@@ -41,38 +45,46 @@ void see(OwnedFrame& frame, int x, int y, int k) {
   frame.at("sampleCount", x, y) = kSamples;
 }
 
-CrossBilateralParams bank() {
+CrossBilateralParams bilateral() {
   CrossBilateralParams params;
   params.spatial_sigmas = {1.0F, 2.0F, 4.0F};
   return params;
 }
 
-BankResult run(const Frame& frame, bool counts) {
-  return run_filter(bank(), frame, {64, 32, Divergence::kJoint, std::nullopt, counts});
+CrossNlmParams nlm(PatchDistance distance, int window_radius) {
+  CrossNlmParams params;
+  params.distance = distance;
+  params.range_sigmas = distance == PatchDistance::kAbsolute ? std::vector<float>{0.3F, 1.0F, 3.0F}
+                                                             : std::vector<float>{0.7F, 1.4F, 2.8F};
+  params.window_radius = window_radius;
+  params.patch_blur = 0.5F;
+  return params;
+}
+
+BankResult run(const FilterSpec& spec, const Frame& frame, bool counts) {
+  return run_filter(spec, frame, {64, 32, Divergence::kJoint, std::nullopt, counts});
 }
 
 // How much of the lamp a pixel sees in truth: its rim is some pixels wide.
 double coverage(int x) { return 1.0 / (1.0 + std::exp(0.9 * (x - 6))); }
 
-}  // namespace
+constexpr int kX = 11;
+constexpr int kY = 10;
 
-TEST_CASE("count noise: the divergence is what one event less makes of the result") {
-  for (const int k : {1, 2, 3}) {
-    constexpr int kX = 11;
-    constexpr int kY = 10;
-    OwnedFrame frame(23, 21, {{"albedo", 3}});
-    OwnedFrame less(23, 21, {{"albedo", 3}});
+// A wall of which some pixels, (kX, kY) among them, have seen a lamp; with what noise says of one event at (kX, kY).
+struct Rim {
+  OwnedFrame frame{23, 21, {{"albedo", 3}}};
+  OwnedFrame less{23, 21, {{"albedo", 3}}};  // with an event less there
+  std::array<double, 3> factor{};            // to the difference of the two results
+
+  explicit Rim(int k) {
     for (OwnedFrame* each : {&frame, &less}) {
       for (int y = 0; y < 21; ++y) {
         for (int x = 0; x < 23; ++x) see(*each, x, y, (x * 5 + y * 3) % 7 == 0 ? 1 : 0);
       }
       see(*each, kX, kY, k);
     }
-    const BankResult bank_result = run(frame.frame(), true);
-
     double brightness = 0;
-    double variance = 0;
-    std::array<double, 3> with_brightness{};
     double lamp = 0;
     for (std::size_t c = 0; c < 3; ++c) {
       brightness += frame.at(kRgb[c], kX, kY) / 3.0;
@@ -80,59 +92,107 @@ TEST_CASE("count noise: the divergence is what one event less makes of the resul
     }
     const double share = static_cast<double>(k) / kSamples;
     const double unit = share * (1.0 - share) / (kSamples - 1);
-    variance = unit * lamp * lamp;
-    for (std::size_t c = 0; c < 3; ++c) with_brightness[c] = unit * lamp * kLamp[c];
+    const double variance = unit * lamp * lamp;
     const double events = std::max(1.0, brightness * brightness / variance);
     const double event = brightness / events;  // what one adds to the brightness
-
     for (std::size_t c = 0; c < 3; ++c) {
-      less.at(kRgb[c], kX, kY) -= static_cast<float>(event * with_brightness[c] / variance);
+      const double with_brightness = unit * lamp * kLamp[c];
+      factor[c] = with_brightness / event;
+      less.at(kRgb[c], kX, kY) -= static_cast<float>(event * with_brightness / variance);
       less.at(std::string("albedo.") + kRgb[c], kX, kY) += static_cast<float>(event * kWallAlbedo / lamp);
       less.at(std::string("albedo.variance.") + kRgb[c], kX, kY) *= static_cast<float>(1.0 - 1.0 / events);
     }
-    const Source now(frame.frame(), inspect(frame.frame()));
-    const Source then(less.frame(), inspect(less.frame()));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("count noise: the divergence is what one event less makes of the result") {
+  for (const int k : {1, 2, 3}) {
+    const Rim rim(k);
+    const BankResult bank = run(bilateral(), rim.frame.frame(), true);
+    const Source now(rim.frame.frame(), inspect(rim.frame.frame()));
+    const Source then(rim.less.frame(), inspect(rim.less.frame()));
     for (std::size_t s = 0; s < 3; ++s) {
-      const auto F = cross_bilateral_reference(bank(), now, bank().spatial_sigmas[s], kX, kY);
-      const auto F_less = cross_bilateral_reference(bank(), then, bank().spatial_sigmas[s], kX, kY);
+      const float sigma = bilateral().spatial_sigmas[s];
+      const auto F = cross_bilateral_reference(bilateral(), now, sigma, kX, kY);
+      const auto F_less = cross_bilateral_reference(bilateral(), then, sigma, kX, kY);
       for (std::size_t c = 0; c < 3; ++c) {
         INFO(k << " of " << kSamples << ", scale " << s << ", channel " << c);
-        const double expected = with_brightness[c] / event * (F[c] - F_less[c]);
-        CHECK(bank_result.divergence[s][c].row(kY)[kX] == Approx(expected).epsilon(2e-4).margin(1e-5));
+        const double expected = rim.factor[c] * (F[c] - F_less[c]);
+        CHECK(bank.divergence[s][c].row(kY)[kX] == Approx(expected).epsilon(2e-4).margin(1e-5));
       }
     }
   }
 }
 
-TEST_CASE("count noise: the mean risk at a lamp's rim is the mean error, where the derivative's is too high") {
-  constexpr int kWidth = 16;
-  constexpr int kHeight = 16;
-  constexpr int kRealisations = 600;
-  OwnedFrame frame(kWidth, kHeight, {{"albedo", 3}});
-  Random random(7);
-  // A binomial count is taken for a Poisson one, which leaves a tenth.
+void check_nlm(const CrossNlmParams& params, int k) {
+  const Rim rim(k);
+  const BankResult bank = run(params, rim.frame.frame(), true);
+  const Source now(rim.frame.frame(), inspect(rim.frame.frame()));
+  const Source then(rim.less.frame(), inspect(rim.less.frame()));
+  for (std::size_t s = 0; s < 3; ++s) {
+    const float sigma = params.range_sigmas[s];
+    const auto F = CrossNlmReference(params, now).result(sigma, kX, kY);
+    const auto F_less = CrossNlmReference(params, then).result(sigma, kX, kY);
+    for (std::size_t c = 0; c < 3; ++c) {
+      INFO(k << " of " << kSamples << ", entry " << s << ", channel " << c << ", window " << params.window_radius);
+      const double expected = rim.factor[c] * (F[c] - F_less[c]);
+      CHECK(bank.divergence[s][c].row(kY)[kX] == Approx(expected).epsilon(2e-4).margin(1e-5));
+    }
+  }
+}
+
+TEST_CASE("count noise: cross-nlm's too, which sees the pixel's colour in the patches around it") {
+  for (const PatchDistance distance : {PatchDistance::kAbsolute, PatchDistance::kVarianceNormalised}) {
+    for (const int window_radius : {3, 10, 20}) {
+      for (const int k : {1, 2, 3}) check_nlm(nlm(distance, window_radius), k);
+    }
+  }
+}
+
+TEST_CASE("count noise: all instruction sets of this machine agree") {
+  for (std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS; targets != 0; targets &= targets - 1) {
+    hwy::SetSupportedTargetsForTest(targets & -targets);
+    check_nlm(nlm(PatchDistance::kVarianceNormalised, 6), 2);
+    hwy::SetSupportedTargetsForTest(0);
+  }
+}
+
+// Sums over realisations of a lamp's rim, of each entry: relative risk by the slope, by the count, and true error.
+struct RimRisks {
   std::array<Statistics, 3> by_slope;
   std::array<Statistics, 3> by_count;
   std::array<Statistics, 3> truth;
-  for (int i = 0; i < kRealisations; ++i) {
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        int k = 0;
-        for (int sample = 0; sample < kSamples; ++sample) k += random.uniform() < coverage(x) ? 1 : 0;
-        see(frame, x, y, k);
-      }
-    }
-    const BankResult slope = run(frame.frame(), false);
-    const BankResult count = run(frame.frame(), true);
-    for (std::size_t s = 0; s < 3; ++s) {
-      std::array<double, 3> sum{};
+
+  RimRisks(const FilterSpec& spec, int realisations) {
+    constexpr int kWidth = 16;
+    constexpr int kHeight = 16;
+    OwnedFrame frame(kWidth, kHeight, {{"albedo", 3}});
+    Random random(7);
+    for (int i = 0; i < realisations; ++i) {
       for (int y = 0; y < kHeight; ++y) {
         for (int x = 0; x < kWidth; ++x) {
+          int k = 0;
+          for (int sample = 0; sample < kSamples; ++sample) k += random.uniform() < coverage(x) ? 1 : 0;
+          see(frame, x, y, k);
+        }
+      }
+      add(frame.frame(), run(spec, frame.frame(), false), run(spec, frame.frame(), true));
+    }
+  }
+
+ private:
+  void add(const Frame& frame, const BankResult& slope, const BankResult& count) {
+    for (std::size_t s = 0; s < 3; ++s) {
+      std::array<double, 3> sum{};
+      for (int y = 0; y < frame.height; ++y) {
+        for (int x = 0; x < frame.width; ++x) {
           const double right = kWall + coverage(x) * kLamp[0];
           const double weight = 1.0 / (right * right + 0.01);
           const double F = slope.result[s][0].row(y)[x];
-          const double away = F - frame.frame().colour[0].at(x, y);
-          const double base = away * away - frame.frame().colour_variance[0].at(x, y);
+          const double away = F - frame.colour[0].at(x, y);
+          const double base = away * away - frame.colour_variance[0].at(x, y);
           sum[0] += weight * (base + 2.0 * slope.divergence[s][0].row(y)[x]);
           sum[1] += weight * (base + 2.0 * count.divergence[s][0].row(y)[x]);
           sum[2] += weight * (F - right) * (F - right);
@@ -143,14 +203,27 @@ TEST_CASE("count noise: the mean risk at a lamp's rim is the mean error, where t
       truth[s].add(sum[2]);
     }
   }
+};
+
+// A binomial count is taken for a Poisson one, which leaves a tenth.
+void check_rim(const FilterSpec& spec, int realisations, double least_excess_of_slope) {
+  const RimRisks risks(spec, realisations);
   for (std::size_t s = 0; s < 3; ++s) {
-    INFO("scale " << s << ": true " << truth[s].mean() << ", by the slope " << by_slope[s].mean() << " +- "
-                  << by_slope[s].standard_error() << ", by the count " << by_count[s].mean() << " +- "
-                  << by_count[s].standard_error());
-    const double error = truth[s].mean();
-    CHECK(std::abs(by_count[s].mean() - error) < 0.12 * error + 4.0 * by_count[s].standard_error());
-    CHECK(by_slope[s].mean() > 2.0 * error);
+    const double error = risks.truth[s].mean();
+    const Statistics& by_slope = risks.by_slope[s];
+    const Statistics& by_count = risks.by_count[s];
+    INFO("entry " << s << ": true " << error << ", by the slope " << by_slope.mean() << " +- "
+                  << by_slope.standard_error() << ", by the count " << by_count.mean() << " +- "
+                  << by_count.standard_error());
+    CHECK(std::abs(by_count.mean() - error) < 0.12 * error + 4.0 * by_count.standard_error());
+    CHECK(by_slope.mean() > least_excess_of_slope * error);
   }
 }
+
+TEST_CASE("count noise: the mean risk at a lamp's rim is the mean error, where the derivative's is too high") {
+  check_rim(bilateral(), 600, 2.0);
+}
+
+TEST_CASE("count noise: so is cross-nlm's") { check_rim(nlm(PatchDistance::kVarianceNormalised, 6), 300, 1.5); }
 
 }  // namespace stein::test
