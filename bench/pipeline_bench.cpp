@@ -47,7 +47,7 @@ void pipeline_filter(benchmark::State& state, const FilterSpec& filter, Risk ris
 
 CrossNlmParams nine_range_sigmas() {
   CrossNlmParams params;
-  params.range_sigmas = {0.5F, 0.71F, 1.0F, 1.41F, 2.0F, 2.83F, 4.0F, 5.66F, 8.0F};
+  params.range_sigmas = {0.5F, 0.70710678F, 1.0F, 1.41421356F, 2.0F, 2.82842712F, 4.0F, 5.65685425F, 8.0F};
   return params;
 }
 

@@ -69,7 +69,7 @@ struct CrossNlmParams {
   static constexpr bool kHasDerivative = true;
 
   /// sigma_r of the candidates, ascending, each [1e-6..1e6], at most 12; in units of radiance with absolute distances.
-  std::vector<float> range_sigmas = {0.5F, 0.71F, 1.0F, 1.41F, 2.0F, 2.83F, 4.0F};
+  std::vector<float> range_sigmas = {0.5F, 0.70710678F, 1.0F, 1.41421356F, 2.0F, 2.82842712F, 4.0F};
 
   PatchDistance distance = PatchDistance::kVarianceNormalised;
   int window_radius = 20;  ///< [1..32] px

@@ -2,6 +2,7 @@
 #include "filters/nlm_block.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace stein {
@@ -22,6 +23,10 @@ void set_range_sigmas(const std::vector<float>& sigmas, double channels, kernels
     const double sigma = sigmas[s];
     rows.exponent[s] = static_cast<float>(std::numbers::log2e / (2.0 * sigma * sigma * channels));
     rows.slope[s] = static_cast<float>(1.0 / (sigma * sigma * channels));
+  }
+  for (std::size_t s = 0; s < sigmas.size(); ++s) {
+    rows.is_square[s] =
+        s + 1 < sigmas.size() && std::abs(rows.exponent[s] - 2.0F * rows.exponent[s + 1]) < 1e-6F * rows.exponent[s];
   }
 }
 

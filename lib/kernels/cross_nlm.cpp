@@ -57,18 +57,41 @@ HWY_INLINE void add_products(FloatTag d, float* HWY_RESTRICT sum, const FloatVec
   add_to(d, sum, total);
 }
 
+// Weights of a batch, candidate by candidate from the widest one on.
+template <int kTaps>
+struct Weights {
+  HWY_INLINE explicit Weights(FloatTag d) {
+    for (int t = 0; t < kTaps; ++t) w[t] = patch[t] = hn::Zero(d);
+  }
+  FloatVec w[kTaps];
+  FloatVec patch[kTaps];  // the patches' part; where the next candidate's is its square
+
+  HWY_INLINE void take(FloatTag d, const CrossNlmRows& rows, int candidate, const Batch<kTaps>& batch) {
+    const FloatVec exponent = hn::Set(d, rows.exponent[candidate]);
+    for (int t = 0; t < kTaps; ++t)
+      w[t] = exp2_negative(d, hn::MulAdd(exponent, batch.patch_distance[t], batch.guide_distance[t]));
+    if (candidate == 0 || !rows.is_square[candidate - 1]) return;
+    for (int t = 0; t < kTaps; ++t) patch[t] = exp2_negative(d, hn::Mul(exponent, batch.patch_distance[t]));
+  }
+  // Below the least weight both are 0, so that no denormal arises.
+  HWY_INLINE void square(FloatTag d) {
+    const FloatVec least = hn::Set(d, kLeastWeight);
+    for (int t = 0; t < kTaps; ++t) {
+      const FloatVec product = hn::Mul(w[t], patch[t]);
+      const auto is_seen = hn::Ge(product, least);
+      w[t] = hn::IfThenElseZero(is_seen, product);
+      patch[t] = hn::IfThenElseZero(is_seen, hn::Mul(patch[t], patch[t]));
+    }
+  }
+};
+
 // Adds one candidate's weights; false if all of them are 0, and hence all of smaller sigma_r.
 template <Slopes kSlopes, int kTaps>
 HWY_INLINE bool add_candidate(FloatTag d, const CrossNlmRows& rows, int candidate, const Batch<kTaps>& batch,
-                              float* HWY_RESTRICT sums, const LayerSums& layers) {
+                              const FloatVec (&w)[kTaps], float* HWY_RESTRICT sums, const LayerSums& layers) {
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
-  const FloatVec exponent = hn::Set(d, rows.exponent[candidate]);
-  FloatVec w[kTaps];
-  FloatVec total = hn::Zero(d);
-  for (int t = 0; t < kTaps; ++t) {
-    w[t] = exp2_negative(d, hn::MulAdd(exponent, batch.patch_distance[t], batch.guide_distance[t]));
-    total = hn::Add(total, w[t]);
-  }
+  FloatVec total = w[0];
+  for (int t = 1; t < kTaps; ++t) total = hn::Add(total, w[t]);
   if (hn::AllTrue(d, hn::Eq(total, hn::Zero(d)))) return false;
   add_to(d, sums, total);
   for (int c = 0; c < 3; ++c) {
@@ -112,8 +135,14 @@ HWY_INLINE void add_batch(FloatTag d, const CrossNlmRows& rows, const BatchSite&
   if constexpr (kSlopes != Slopes::kNone) contracted_slopes(d, rows, site.x, site.distances.slope, batch.patch_slope);
   if (rows.layers.count > 0) site.layers.load<false>(d, site.x, at);
   const std::ptrdiff_t sums_step = kNlmSums * static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  Weights<kTapBatch> weights(d);
   for (int s = rows.candidates - 1; s >= 0; --s) {
-    if (!add_candidate<kSlopes>(d, rows, s, batch, site.sums + s * sums_step, site.layers)) break;
+    if (rows.is_square[s]) {
+      weights.square(d);
+    } else {
+      weights.take(d, rows, s, batch);
+    }
+    if (!add_candidate<kSlopes>(d, rows, s, batch, weights.w, site.sums + s * sums_step, site.layers)) break;
   }
 }
 

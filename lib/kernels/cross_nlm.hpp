@@ -40,6 +40,8 @@ struct CrossNlmRows {
   int candidates = 0;
   float exponent[kMaxRangeSigmas];  ///< log2(e) / (2 sigma_r^2), descending
   float slope[kMaxRangeSigmas];     ///< 1 / sigma_r^2
+  /// Whether the exponent is twice that of the next candidate: then the weights need no exponential of their own.
+  bool is_square[kMaxRangeSigmas] = {};
 
   const float* colour_covariance[6];                    ///< of the mean, with a row's pitch: RR, GG, BB, RG, RB, GB
   bool has_guide_covariance = false;                    ///< whether guides move with the colour's noise
@@ -62,9 +64,11 @@ inline constexpr std::size_t kNlmPatchWidth = kNlmBlockWidth + kMaxLanes;  ///< 
 static_assert(2 * kMaxPatchRadius <= kMaxLanes);
 inline constexpr std::size_t kNlmPatchFloats = kNlmPatchWidth * std::size_t{kNlmBlockRows + 2 * kMaxPatchRadius};
 
+inline constexpr std::size_t kNlmPatchFields = 7;  ///< of that size
+
 [[nodiscard]] constexpr std::size_t cross_nlm_scratch(int candidates) noexcept {
   return kNlmBlockPixels * (std::size_t{4} * kNlmTapGroup + kNlmSums * static_cast<std::size_t>(candidates)) +
-         10 * kNlmPatchFloats;
+         kNlmPatchFields * kNlmPatchFloats;
 }
 
 /// Sums of a block, at its shortest vectors of pixels, and one batch of neighbours.

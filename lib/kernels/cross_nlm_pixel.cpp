@@ -37,13 +37,14 @@ template <bool kNormalised>
 HWY_INLINE FloatVec patch_distances_to(FloatTag d, const CrossNlmRows& rows, std::ptrdiff_t own, std::ptrdiff_t other) {
   const auto load = [d](const float* from) HWY_ATTR { return hn::LoadU(d, from); };
   const auto repeat = [d](const float* from) HWY_ATTR { return hn::Set(d, *from); };
+  const PairPlanes planes(rows);
   FloatVec sum = hn::Zero(d);
   FloatVec count = hn::Zero(d);
   for (int y = -rows.patch_radius; y <= rows.patch_radius; ++y) {
     for (int x = -rows.patch_radius; x <= rows.patch_radius; ++x) {
       const std::ptrdiff_t offset = x + y * rows.pitch;
-      const PairSide a = pair_side<kNormalised, true>(rows, own + offset, repeat);
-      const PairSide b = pair_side<kNormalised, true>(rows, other + offset, load);
+      const PairSide a = pair_side<kNormalised, true>(planes, own + offset, repeat);
+      const PairSide b = pair_side<kNormalised, true>(planes, other + offset, load);
       sum = hn::Add(sum, pair_of<kNormalised, true>(d, a, b).distance);
       count = hn::MulAdd(a.mask, b.mask, count);
     }

@@ -75,7 +75,7 @@ inline constexpr int kSolutionParts = 4;
 [[nodiscard]] constexpr std::size_t local_polynomial_scratch(int range_sigmas, int columns, int orders, int features) {
   const auto per_pixel = static_cast<std::size_t>(
       range_sigmas * (normal_equation_sums(columns) + fit_floats(columns, orders)) + kMaxFeatureDimensions * features);
-  return kNlmBlockPixels * (std::size_t{4} * kNlmTapGroup + per_pixel) + 10 * kNlmPatchFloats +
+  return kNlmBlockPixels * (std::size_t{4} * kNlmTapGroup + per_pixel) + kNlmPatchFields * kNlmPatchFloats +
          static_cast<std::size_t>(normal_equation_sums(kMaxColumns) + kMaxColumns) * kMaxLanes;
 }
 

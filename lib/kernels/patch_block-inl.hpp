@@ -35,7 +35,7 @@ inline TapDistances take_distances(Scratch& scratch) {
 
 inline PatchFields take_fields(Scratch& scratch) {
   const auto take = [&] { return scratch.take(kNlmPatchFloats); };
-  return {take(), take(), {take(), take(), take()}, take(), take(), {take(), take(), take()}};
+  return {take(), take(), take(), take(), {take(), take(), take()}};
 }
 
 // Fills the distances of taps [first, first + count); padding counts nothing.

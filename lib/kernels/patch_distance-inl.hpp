@@ -26,14 +26,23 @@ inline constexpr float kNoNeighbour = 1e30F;
 
 inline constexpr auto kPatchLine = static_cast<std::ptrdiff_t>(kNlmPatchWidth);
 
-// Fields over a block and a rim around it, kPatchLine from row to row. The pixel at their start lies a rim up and left.
+// Fields over a block and a rim around it, kPatchLine from row to row. The pixel at their start lies a rim to the left
+// of the block; that of the first two a rim above it as well.
 struct PatchFields {
   float* HWY_RESTRICT pairs;      // distance of the two pixels
   float* HWY_RESTRICT masks;      // 1 where both are sources
-  float* slopes[3];               // half its derivative by the pixel's own colour
-  float* HWY_RESTRICT pair_sums;  // sums along x of these, without the rim at the sides
+  float* HWY_RESTRICT pair_sums;  // sums along y of these
   float* HWY_RESTRICT mask_sums;
-  float* slope_sums[3];
+  float* slope_sums[3];  // spread along y: half the derivative of `pairs` by the pixel's own colour
+};
+
+// What pairs are made of. Copied to where loops are: what these store cannot change it then.
+struct PairPlanes {
+  explicit PairPlanes(const CrossNlmRows& rows)
+      : colour{rows.blurred[0], rows.blurred[1], rows.blurred[2]}, noise(rows.noise), mask(rows.guides.mask) {}
+  const float* colour[3];
+  const float* noise;
+  const float* mask;
 };
 
 struct PatchBlock {
@@ -77,11 +86,11 @@ struct PairSide {
 
 // Reads the pixels of a vector, or one for all lanes: `read` makes a vector of a pointer.
 template <bool kNormalised, bool kMasked, class Read>
-HWY_INLINE PairSide pair_side(const CrossNlmRows& rows, std::ptrdiff_t at, Read read) {
+HWY_INLINE PairSide pair_side(const PairPlanes& planes, std::ptrdiff_t at, Read read) {
   PairSide side;
-  for (int c = 0; c < 3; ++c) side.colour[c] = read(rows.blurred[c] + at);
-  if constexpr (kNormalised) side.noise = read(rows.noise + at);
-  if constexpr (kMasked) side.mask = read(rows.guides.mask + at);
+  for (int c = 0; c < 3; ++c) side.colour[c] = read(planes.colour[c] + at);
+  if constexpr (kNormalised) side.noise = read(planes.noise + at);
+  if constexpr (kMasked) side.mask = read(planes.mask + at);
   return side;
 }
 
@@ -108,62 +117,10 @@ HWY_INLINE Pair pair_of(FloatTag d, const PairSide& a, const PairSide& b) {
 }
 
 template <bool kNormalised, bool kMasked>
-HWY_INLINE Pair pair_at(FloatTag d, const CrossNlmRows& rows, std::ptrdiff_t a, std::ptrdiff_t b) {
+HWY_INLINE Pair pair_at(FloatTag d, const PairPlanes& planes, std::ptrdiff_t a, std::ptrdiff_t b) {
   const auto load = [d](const float* from) HWY_ATTR { return hn::LoadU(d, from); };
-  return pair_of<kNormalised, kMasked>(d, pair_side<kNormalised, kMasked>(rows, a, load),
-                                       pair_side<kNormalised, kMasked>(rows, b, load));
-}
-
-template <bool kNormalised, bool kMasked, bool kSlopes>
-HWY_INLINE void fill_pairs(FloatTag d, const PatchBlock& block, std::ptrdiff_t tap) {
-  const CrossNlmRows& rows = block.rows;
-  const PatchFields& fields = block.fields;
-  const int rim = block.rim();
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  for (int y = -rim; y < rows.rows + rim; ++y) {
-    const std::ptrdiff_t line = kPatchLine * (y + rim);
-    const std::ptrdiff_t first = block.x - rim + y * rows.pitch;
-    for (int k = 0; k < block.width + 2 * rim; k += lanes) {
-      const std::ptrdiff_t at = first + k;
-      const Pair pair = pair_at<kNormalised, kMasked>(d, rows, at, at + tap);
-      hn::Store(pair.distance, d, fields.pairs + line + k);
-      if constexpr (kSlopes) {
-        const FloatVec slope = hn::Mul(pair.factor, hn::LoadU(d, rows.gain + at));
-        for (int c = 0; c < 3; ++c) hn::Store(hn::Mul(slope, pair.difference[c]), d, fields.slopes[c] + line + k);
-      }
-      if constexpr (kMasked) {
-        const FloatVec both = hn::Mul(hn::LoadU(d, rows.guides.mask + at), hn::LoadU(d, rows.guides.mask + at + tap));
-        hn::Store(both, d, fields.masks + line + k);
-      }
-    }
-  }
-}
-
-// Sums of the patches' pixels along x. Always the same additions in the same order, so that neither drift nor the
-// block's place can show.
-template <int kRadius>
-HWY_INLINE void sum_along_x(FloatTag d, const PatchBlock& block, const float* HWY_RESTRICT in,
-                            float* HWY_RESTRICT out) {
-  const int radius = kRadius >= 0 ? kRadius : block.rows.patch_radius;
-  const int first = block.rim() - radius;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  for (int y = first; y < block.rows.rows + block.rim() + radius; ++y) {
-    for (int k = 0; k < block.width; k += lanes) {
-      const float* HWY_RESTRICT from = in + kPatchLine * y + k + first;
-      FloatVec sum = hn::LoadU(d, from);
-      for (int n = 1; n <= 2 * radius; ++n) sum = hn::Add(sum, hn::LoadU(d, from + n));
-      hn::Store(sum, d, out + kPatchLine * y + k);
-    }
-  }
-}
-
-template <int kRadius>
-HWY_INLINE FloatVec patch_sum(FloatTag d, int radius, const float* HWY_RESTRICT sums) {
-  FloatVec sum = hn::Load(d, sums);
-  for (int n = 1; n <= 2 * (kRadius >= 0 ? kRadius : radius); ++n) {
-    sum = hn::Add(sum, hn::Load(d, sums + n * kPatchLine));
-  }
-  return sum;
+  return pair_of<kNormalised, kMasked>(d, pair_side<kNormalised, kMasked>(planes, a, load),
+                                       pair_side<kNormalised, kMasked>(planes, b, load));
 }
 
 // Weights 1 and blur at either side: the pixel's part in the blurred colours of the patch around it.
@@ -173,30 +130,75 @@ HWY_INLINE FloatVec spread(FloatVec blur, FloatVec before, FloatVec centre, Floa
 
 HWY_INLINE float patch_blur(const CrossNlmRows& rows) { return rows.patch_radius > 0 ? rows.blur : 0.0F; }
 
-HWY_INLINE void spread_along_x(FloatTag d, const PatchBlock& block) {
-  const FloatVec blur = hn::Set(d, patch_blur(block.rows));
+// Fills `pairs`, `masks` and `slope_sums` of a vector of columns, k from the rim on.
+template <bool kNormalised, bool kMasked, bool kSlopes>
+HWY_INLINE void fill_pairs(FloatTag d, const PatchBlock& block, std::ptrdiff_t tap, int k) {
+  const CrossNlmRows& rows = block.rows;
+  const PairPlanes planes(rows);
+  const PatchFields fields = block.fields;
+  const float* HWY_RESTRICT gain = rows.gain;
+  const std::ptrdiff_t pitch = rows.pitch;
+  const FloatVec blur = hn::Set(d, patch_blur(rows));
   const int rim = block.rim();
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  for (int c = 0; c < 3; ++c) {
-    for (int y = rim - 1; y < block.rows.rows + rim + 1; ++y) {
-      for (int k = 0; k < block.width; k += lanes) {
-        const float* HWY_RESTRICT from = block.fields.slopes[c] + kPatchLine * y + k + rim;
-        const FloatVec sum = spread(blur, hn::LoadU(d, from - 1), hn::LoadU(d, from), hn::LoadU(d, from + 1));
-        hn::Store(sum, d, block.fields.slope_sums[c] + kPatchLine * y + k);
+  const int count = rows.rows;
+  FloatVec before[3];
+  FloatVec last[3];
+  for (int c = 0; c < 3; ++c) before[c] = last[c] = hn::Zero(d);
+  for (int y = -rim; y < count + rim; ++y) {
+    const std::ptrdiff_t to = kPatchLine * (y + rim) + k;
+    const std::ptrdiff_t at = block.x - rim + k + y * pitch;
+    const Pair pair = pair_at<kNormalised, kMasked>(d, planes, at, at + tap);
+    hn::Store(pair.distance, d, fields.pairs + to);
+    if constexpr (kSlopes) {
+      const FloatVec slope = hn::Mul(pair.factor, hn::LoadU(d, gain + at));
+      const bool is_inside = y >= 1 && y <= count;
+      for (int c = 0; c < 3; ++c) {
+        const FloatVec next = hn::Mul(slope, pair.difference[c]);
+        if (is_inside)
+          hn::Store(spread(blur, before[c], last[c], next), d, fields.slope_sums[c] + kPatchLine * (y - 1) + k);
+        before[c] = last[c];
+        last[c] = next;
       }
     }
+    if constexpr (kMasked) {
+      const FloatVec both = hn::Mul(hn::LoadU(d, planes.mask + at), hn::LoadU(d, planes.mask + at + tap));
+      hn::Store(both, d, fields.masks + to);
+    }
   }
+}
+
+// Sums of the patches' pixels along y, of a vector of columns. Always the same additions in the same order, so that
+// neither drift nor the block's place can show.
+template <int kRadius>
+HWY_INLINE void sum_columns(FloatTag d, const PatchBlock& block, int k, const float* HWY_RESTRICT in,
+                            float* HWY_RESTRICT out) {
+  const int radius = kRadius >= 0 ? kRadius : block.rows.patch_radius;
+  const int rows = block.rows.rows;
+  in += kPatchLine * (block.rim() - radius) + k;
+  for (int y = 0; y < rows; ++y) {
+    FloatVec sum = hn::Load(d, in + kPatchLine * y);
+    for (int n = 1; n <= 2 * radius; ++n) sum = hn::Add(sum, hn::Load(d, in + kPatchLine * (y + n)));
+    hn::Store(sum, d, out + kPatchLine * y + k);
+  }
+}
+
+template <int kRadius>
+HWY_INLINE FloatVec patch_sum(FloatTag d, int radius, const float* HWY_RESTRICT sums) {
+  FloatVec sum = hn::LoadU(d, sums);
+  for (int n = 1; n <= 2 * (kRadius >= 0 ? kRadius : radius); ++n) sum = hn::Add(sum, hn::LoadU(d, sums + n));
+  return sum;
 }
 
 // Adds the pixel's part in the blurred colours of the patch around its neighbour, for the pairs (i - m - tap, i - m).
 template <bool kNormalised, bool kMasked>
 HWY_INLINE void add_near_slopes(FloatTag d, const CrossNlmRows& rows, std::ptrdiff_t at, const Tap& tap,
                                 FloatVec (&slope)[3]) {
+  const PairPlanes planes(rows);
   for (int my = -1; my <= 1; ++my) {
     for (int mx = -1; mx <= 1; ++mx) {
       if (std::max(std::abs(tap.dx + mx), std::abs(tap.dy + my)) > rows.patch_radius) continue;
       const std::ptrdiff_t seen = at - (my * rows.pitch + mx);
-      const Pair pair = pair_at<kNormalised, kMasked>(d, rows, seen, seen - tap.offset);
+      const Pair pair = pair_at<kNormalised, kMasked>(d, planes, seen, seen - tap.offset);
       const float weight = (mx == 0 ? 1.0F : rows.blur) * (my == 0 ? 1.0F : rows.blur);
       const FloatVec factor = hn::Mul(hn::Mul(hn::Set(d, weight), hn::LoadU(d, rows.gain + seen)), pair.factor);
       for (int c = 0; c < 3; ++c) slope[c] = hn::MulAdd(factor, pair.difference[c], slope[c]);
@@ -212,8 +214,8 @@ HWY_INLINE void finish_pixels(FloatTag d, const PatchBlock& block, int y, int k,
   const FloatVec one = hn::Set(d, 1.0F);
   const std::ptrdiff_t at = block.x + k + y * rows.pitch;
   const std::ptrdiff_t to = static_cast<std::ptrdiff_t>(kNlmBlockWidth) * y + k;
-  const std::ptrdiff_t centre = kPatchLine * (y + block.rim()) + k;
-  const std::ptrdiff_t patch = centre - kPatchLine * radius;
+  const std::ptrdiff_t centre = kPatchLine * y + k + block.rim();
+  const std::ptrdiff_t patch = centre - radius;
   FloatVec share = hn::Set(d, 1.0F / static_cast<float>((2 * radius + 1) * (2 * radius + 1)));
   if constexpr (kMasked) {
     share = hn::Div(one, hn::Max(patch_sum<kRadius>(d, radius, block.fields.mask_sums + patch), one));
@@ -230,7 +232,7 @@ HWY_INLINE void finish_pixels(FloatTag d, const PatchBlock& block, int y, int k,
   FloatVec slope[3];
   for (int c = 0; c < 3; ++c) {
     const float* HWY_RESTRICT sums = block.fields.slope_sums[c] + centre;
-    slope[c] = spread(blur, hn::Load(d, sums - kPatchLine), hn::Load(d, sums), hn::Load(d, sums + kPatchLine));
+    slope[c] = spread(blur, hn::LoadU(d, sums - 1), hn::LoadU(d, sums), hn::LoadU(d, sums + 1));
   }
   if (tap.is_near) add_near_slopes<kNormalised, kMasked>(d, rows, at, tap, slope);
   share = hn::IfThenElseZero(hn::Gt(mean, hn::Zero(d)), share);  // a clamped distance does not move
@@ -240,12 +242,14 @@ HWY_INLINE void finish_pixels(FloatTag d, const PatchBlock& block, int y, int k,
 template <int kRadius, bool kNormalised, bool kMasked, bool kSlopes>
 HWY_NOINLINE void patch_distances_as(const PatchBlock& block, const Tap& tap, const TapDistances& out) {
   const FloatTag d;
-  fill_pairs<kNormalised, kMasked, kSlopes>(d, block, tap.offset);
-  sum_along_x<kRadius>(d, block, block.fields.pairs, block.fields.pair_sums);
-  if constexpr (kMasked) sum_along_x<kRadius>(d, block, block.fields.masks, block.fields.mask_sums);
-  if constexpr (kSlopes) spread_along_x(d, block);
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  for (int k = 0; k < block.width + 2 * block.rim(); k += lanes) {
+    fill_pairs<kNormalised, kMasked, kSlopes>(d, block, tap.offset, k);
+    sum_columns<kRadius>(d, block, k, block.fields.pairs, block.fields.pair_sums);
+    if constexpr (kMasked) sum_columns<kRadius>(d, block, k, block.fields.masks, block.fields.mask_sums);
+  }
   for (int y = 0; y < block.rows.rows; ++y) {
-    for (int k = 0; k < block.width; k += static_cast<int>(hn::Lanes(d))) {
+    for (int k = 0; k < block.width; k += lanes) {
       finish_pixels<kRadius, kNormalised, kMasked, kSlopes>(d, block, y, k, tap, out);
     }
   }

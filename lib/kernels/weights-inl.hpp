@@ -27,6 +27,9 @@ HWY_INLINE FloatVec reciprocal(FloatTag d, FloatVec v) {
   return r;
 }
 
+// What exp2_negative() gives is at least this, or 0.
+inline constexpr float kLeastWeight = 0x1.6a09e6p-60F;  // 2^-59.5
+
 // 2^-x. Lane type: float32. Valid range: [0, inf). Max relative error: 3e-7 up to 59; exactly 1 at 0 and exactly 0
 // from 59.5 on.
 HWY_INLINE FloatVec exp2_negative(FloatTag d, FloatVec x) {

@@ -188,7 +188,21 @@ TEST_CASE("cross-nlm: the divergence vanishes with the noise, and is the varianc
   }
 }
 
-TEST_CASE("cross-nlm: a candidate gives the same bits alone and in a bank") {
+TEST_CASE("cross-nlm: weights that are squares of the next candidate's, in steps of sqrt(2), equal the reference too") {
+  OwnedFrame frame(37, 25, kUsualFeatures);
+  fill_random(frame, 21);
+  CrossNlmParams params = small_bank(PatchDistance::kVarianceNormalised);
+  params.range_sigmas.clear();
+  for (int s = -5; s <= 6; ++s) params.range_sigmas.push_back(static_cast<float>(std::exp2(0.5 * s)));
+  CHECK(deviation(params, frame.frame()) < 1e-5);
+  CHECK(divergence_deviation(params, frame.frame(), Divergence::kJoint) < 1e-4);
+  // A break in the steps, and a new start.
+  params.range_sigmas = {0.25F, 0.5F, 0.70710678F, 1.0F, 1.5F, 3.0F, 4.2426407F, 6.0F};
+  CHECK(deviation(params, frame.frame()) < 1e-5);
+  CHECK(divergence_deviation(params, frame.frame(), Divergence::kJoint) < 1e-4);
+}
+
+TEST_CASE("cross-nlm: a candidate gives the same bits alone and in a bank of other steps") {
   OwnedFrame frame(50, 30, kUsualFeatures);
   fill_random(frame, 9);
   for (const PatchDistance distance : kDistances) {
