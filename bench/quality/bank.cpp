@@ -19,9 +19,14 @@ std::string beside(const std::string& file, const char* name) {
   return (std::filesystem::path(file).parent_path() / name).string();
 }
 
+Risk method_of(const DenoiseParams& params) {
+  if (params.risk != Risk::kAuto) return params.risk;
+  return has_derivative(params.filters.front()) ? Risk::kJoint : Risk::kMonteCarlo;
+}
+
 }  // namespace
 
-Bank::Bank(const std::string& file, const DenoiseParams& params, Risk risk)
+Bank::Bank(const std::string& file, const DenoiseParams& params)
     : loaded_(exr::read_frame(file)), reference_(exr::read_planes(beside(file, "ref.exr"))), params_(params) {
   std::ifstream(beside(file, "refnoise")) >> reference_noise_[0] >> reference_noise_[1];
   const Frame& frame = loaded_.frame();
@@ -31,9 +36,10 @@ Bank::Bank(const std::string& file, const DenoiseParams& params, Risk risk)
   if (params_.outliers.enabled) source_->replace(find_outliers(*source_, params_.outliers, runner).pixels);
   layers_ = std::make_unique<LayerSource>(frame, report, *source_);
   geometry_ = {frame.width, frame.height, 128, 32, frame.height};
-  runs_ = std::make_unique<FilterRuns>(*source_, *layers_,
-                                       FilterPlan{params_.filters.front(), risk, params_.monte_carlo, true}, geometry_,
-                                       std::vector<int>(), std::vector<int>(), runner.slots());
+  runs_ = std::make_unique<FilterRuns>(
+      *source_, *layers_,
+      FilterPlan{params_.filters.front(), method_of(params), params_.monte_carlo, params.risk == Risk::kAuto},
+      geometry_, std::vector<int>(), std::vector<int>(), runner.slots());
   std::vector<exec::RowStage> stages;
   runs_->add_stages(
       {}, [](const Rect&, int) {}, stages);

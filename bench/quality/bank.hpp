@@ -35,8 +35,9 @@ struct Choices {
 
 class Bank {
  public:
-  /// `file`: a noisy render; ref.exr and, if there is one, refnoise lie next to it.
-  Bank(const std::string& file, const DenoiseParams& params, Risk risk);
+  /// `file`: a noisy render; ref.exr and, if there is one, refnoise lie next to it. Of the filters the first; where it
+  /// has a closed form Risk::kAuto is joint SURE, with the covariances that there are.
+  Bank(const std::string& file, const DenoiseParams& params);
 
   [[nodiscard]] int entries() const { return runs_->entries(); }
   [[nodiscard]] EntryErrors errors(int entry) const;

@@ -70,8 +70,7 @@ std::string title(const fs::path& file) { return file.parent_path().filename().s
 
 // Estimated over true mean error of every entry as a fixed filter.
 void print_risks(const fs::path& file, const stein::DenoiseParams& params) {
-  const bool is_closed = stein::has_derivative(params.filters.front());
-  const stein::quality::Bank bank(file.string(), params, is_closed ? stein::Risk::kJoint : stein::Risk::kMonteCarlo);
+  const stein::quality::Bank bank(file.string(), params);
   const std::vector<std::string> names = stein::candidate_names(params.filters.front());
   for (int e = 1; e < bank.entries(); ++e) {
     const stein::quality::EntryErrors errors = bank.errors(e);
@@ -84,8 +83,7 @@ void print_risks(const fs::path& file, const stein::DenoiseParams& params) {
 }
 
 void print_choices(const fs::path& file, const stein::DenoiseParams& params, std::vector<double>& log_sums) {
-  const bool is_closed = stein::has_derivative(params.filters.front());
-  const stein::quality::Bank bank(file.string(), params, is_closed ? stein::Risk::kJoint : stein::Risk::kMonteCarlo);
+  const stein::quality::Bank bank(file.string(), params);
   const stein::quality::Choices choices = bank.choices();
   const double values[] = {choices.best_single, choices.argmin, choices.evidence, choices.oracle};
   std::printf("| %s |", title(file).c_str());
@@ -118,10 +116,10 @@ void print_calibration(const fs::path& file, const stein::DenoiseParams& params)
 }
 
 int usage() {
-  std::fprintf(
-      stderr,
-      "usage: stein_quality FOLDER [--filter NAME | --quality NAME] [--table errors|risk|selection|calibration]\n"
-      "FOLDER holds one folder per scene with ref.exr and noisy renders.\n");
+  std::fprintf(stderr,
+               "usage: stein_quality FOLDER [--filter NAME | --quality NAME] [--risk NAME]\n"
+               "                     [--table errors|risk|selection|calibration]\n"
+               "FOLDER holds one folder per scene with ref.exr and noisy renders.\n");
   return 2;
 }
 
@@ -164,6 +162,8 @@ int main(int argc, char** argv) {
         params.filters = stein::make_filters(argv[++i]);
       } else if (argument == "--quality" && i + 1 < argc) {
         stein::set_option(params, "quality", argv[++i]);
+      } else if (argument == "--risk" && i + 1 < argc) {
+        stein::set_option(params, "risk", argv[++i]);
       } else if (argument == "--table" && i + 1 < argc) {
         table = argv[++i];
       } else if (folder.empty() && argument.rfind("--", 0) != 0) {

@@ -52,7 +52,8 @@ def axes():
     low, high = 10.0**LOW, 10.0**HIGH
     parts.append(line([place(low, low), place(high, high)], "#444"))
     for factor in (0.5, 2.0):
-        parts.append(line([place(low, low * factor), place(high, high * factor)], "#444", 'stroke-dasharray="4 4"'))
+        ends = [place(x, x * factor) for x in (max(low, low / factor), min(high, high / factor))]  # inside the frame
+        parts.append(line(ends, "#444", 'stroke-dasharray="4 4"'))
     parts.append(text(LEFT + SIZE / 2, TOP + SIZE + 36, "reported relative error (mean of a bin)"))
     parts.append(text(14, TOP + SIZE / 2, "true relative error", extra=f'transform="rotate(-90 14 {TOP + SIZE / 2:.0f})"'))
     return parts
@@ -69,7 +70,10 @@ def main():
         colour = COLOURS[i % len(COLOURS)]
         placed = [place(*pair) for pair in pairs]
         parts.append(line(placed, colour, 'stroke-width="1.5"'))
-        parts += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="2.5" fill="{colour}"/>' for x, y in placed]
+        for pair, (x, y) in zip(pairs, placed):
+            inside = all(10.0**LOW <= value <= 10.0**HIGH for value in pair)  # else at the frame, and hollow
+            fill = colour if inside else "white"
+            parts.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="2.5" fill="{fill}" stroke="{colour}"/>')
         parts.append(text(LEFT + SIZE + 12, TOP + 16 + 18 * i, render, "start", f'fill="{colour}"'))
     print("\n".join(parts + ["</svg>"]))
 

@@ -36,7 +36,7 @@ struct AdaptiveParams {
   FilterSpec intermediate = intermediate_cross_bilateral();  ///< what the batches are planned with
   /// What the batches follow. kAllSamples: a batch fills up to it; the others: a batch is proportional to it.
   DensityRule density = DensityRule::kAllSamples;
-  DenoiseParams denoise;  ///< of the result; the intermediate runs differ in their filter and in the density
+  DenoiseParams denoise;  ///< of the result; the intermediate runs are of one filter, once, and with another density
 };
 
 struct AdaptiveResult {

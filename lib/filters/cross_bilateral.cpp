@@ -11,6 +11,7 @@
 #include "kernels/cross_bilateral.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "filters/count_noise.hpp"
 #include "filters/filter.hpp"
@@ -110,30 +111,49 @@ class CrossBilateral final : public PreparedFilter {
     return has_counts_ && split_counts(tile, y, lines + covariance_floats(), rows, variance, row);
   }
 
-  // Memory of counts: covariances of two colour channels, CountNoise's, then ones, and of a bank with an event less the
-  // results and one over the sums of weights.
+  // Scratch of counts, rows of counts_.pitch() floats: covariances of two colour channels, what CountNoise needs, and a
+  // bank with an event less.
   static constexpr std::ptrdiff_t kPairs = 3;
+  struct LessBank {
+    float* one;                              // in place of variances: what is left of the divergence then is
+    float* inverse[kernels::kMaxScales][3];  // one over the sum of weights
+    float* result[kernels::kMaxScales][3];
+  };
   [[nodiscard]] std::size_t count_floats() const noexcept {
     return counts_.floats() + static_cast<std::size_t>((kPairs + 1 + std::ptrdiff_t{6} * scales_) * counts_.pitch());
+  }
+  [[nodiscard]] float* counts_of(float* scratch) const noexcept { return scratch + kPairs * counts_.pitch(); }
+  [[nodiscard]] LessBank less_bank(float* scratch) const {
+    float* memory = counts_of(scratch) + counts_.floats();
+    const auto next = [&] { return std::exchange(memory, memory + counts_.pitch()); };
+    LessBank bank{};
+    bank.one = next();
+    for (int s = 0; s < scales_; ++s) {
+      for (int c = 0; c < 3; ++c) {
+        bank.inverse[s][c] = next();
+        bank.result[s][c] = next();
+      }
+    }
+    return bank;
   }
 
   bool split_counts(const Rect& tile, int y, float* scratch, float* const* guide_covariance, float* const* variance,
                     const kernels::CrossBilateralRow& row) const {
-    constexpr std::size_t kChannels[kPairs][2] = {{0, 1}, {0, 2}, {1, 2}};
+    constexpr std::size_t kPairOf[kPairs][2] = {{0, 1}, {0, 2}, {1, 2}};
     float* colour[] = {variance[0], variance[1], variance[2], nullptr, nullptr, nullptr};
     for (int p = 0; p < kPairs; ++p) {
       colour[3 + p] = scratch + p * counts_.pitch();
-      source_.colour_covariance_row(kChannels[p][0], kChannels[p][1], y, tile.x0, tile.width(), colour[3 + p]);
+      source_.colour_covariance_row(kPairOf[p][0], kPairOf[p][1], y, tile.x0, tile.width(), colour[3 + p]);
     }
     return counts_.split({row.guides, row.colour, guide_covariance, colour, tile.x0, y, tile.width()},
-                         scratch + kPairs * counts_.pitch());
+                         counts_of(scratch));
   }
 
   // Adds the counts' part to the divergences of a row whose pixels were split, and filtered.
   void add_counts(const kernels::CrossBilateralRow& row, float* scratch) const {
-    const CountNoise::Less less = counts_.less(scratch + kPairs * counts_.pitch());
-    float* const bank = scratch + kPairs * counts_.pitch() + counts_.floats();
-    std::fill_n(bank, counts_.pitch(), 1.0F);
+    const CountNoise::Less less = counts_.less(counts_of(scratch));
+    const LessBank bank = less_bank(scratch);
+    std::fill_n(bank.one, counts_.pitch(), 1.0F);
     for (int begin = 0; begin < row.count; begin += kernels::kMaxLanes) {
       const int end = std::min(begin + kernels::kMaxLanes, row.count);
       int i = begin;
@@ -145,7 +165,7 @@ class CrossBilateral final : public PreparedFilter {
   // The bank as pixels with an event less see their neighbours. Among these is what they are now: it is taken out
   // again, and what they would be put in its place.
   void add_counts(const kernels::CrossBilateralRow& row, const CountNoise::Less& less, int begin, int count,
-                  float* bank) const {
+                  const LessBank& bank) const {
     kernels::CrossBilateralRow other = row;
     other.count = count;
     other.has_covariance = false;
@@ -161,10 +181,10 @@ class CrossBilateral final : public PreparedFilter {
     for (int g = 0; g < guides_.groups(); ++g) other.centre.variance[g] = less.variance[g] + begin;
     for (int c = 0; c < 3; ++c) {
       other.colour[c] += begin;
-      other.variance[c] = bank;
+      other.variance[c] = bank.one;
       for (int s = 0; s < scales_; ++s) {
-        other.result[s][c] = bank + (1 + 6 * s + c) * counts_.pitch();
-        other.divergence[s][c] = bank + (4 + 6 * s + c) * counts_.pitch();
+        other.result[s][c] = bank.result[s][c];
+        other.divergence[s][c] = bank.inverse[s][c];
       }
     }
     kernels::cross_bilateral_row(other);
@@ -174,9 +194,9 @@ class CrossBilateral final : public PreparedFilter {
       const double likeness = less.likeness[x];
       for (int c = 0; c < 3; ++c) {
         for (int s = 0; s < scales_; ++s) {
-          const double inverse = other.divergence[s][c][i];
+          const double inverse = bank.inverse[s][c][i];
           const double weight = inverse > 0.0 ? 1.0 / inverse : 0.0;
-          const double sum = other.result[s][c][i] * weight - likeness * row.colour[c][x];
+          const double sum = bank.result[s][c][i] * weight - likeness * row.colour[c][x];
           const double F = (sum + less.colour[c][x]) / (weight - likeness + 1.0);
           row.divergence[s][c][x] += static_cast<float>(less.factor[c][x] * (row.result[s][c][x] - F));
         }

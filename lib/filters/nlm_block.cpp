@@ -24,9 +24,12 @@ void set_range_sigmas(const std::vector<float>& sigmas, double channels, kernels
     rows.exponent[s] = static_cast<float>(std::numbers::log2e / (2.0 * sigma * sigma * channels));
     rows.slope[s] = static_cast<float>(1.0 / (sigma * sigma * channels));
   }
-  for (std::size_t s = 0; s < sigmas.size(); ++s) {
-    rows.is_square[s] =
-        s + 1 < sigmas.size() && std::abs(rows.exponent[s] - 2.0F * rows.exponent[s + 1]) < 1e-6F * rows.exponent[s];
+  constexpr int kMostSquares = 4;  // one after the other: each doubles the rounding error
+  int squares = 0;
+  for (std::size_t s = sigmas.size() - 1; s-- > 0;) {
+    const float twice = 2.0F * rows.exponent[s + 1];
+    rows.is_square[s] = squares < kMostSquares && std::abs(rows.exponent[s] - twice) < 1e-6F * twice;
+    squares = rows.is_square[s] ? squares + 1 : 0;
   }
 }
 

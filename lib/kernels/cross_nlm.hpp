@@ -40,7 +40,8 @@ struct CrossNlmRows {
   int candidates = 0;
   float exponent[kMaxRangeSigmas];  ///< log2(e) / (2 sigma_r^2), descending
   float slope[kMaxRangeSigmas];     ///< 1 / sigma_r^2
-  /// Whether the exponent is twice that of the next candidate: then the weights need no exponential of their own.
+  /// Whether the exponent is twice that of the next candidate: then the weights need no exponential of their own. Each
+  /// of these in a row doubles the rounding error.
   bool is_square[kMaxRangeSigmas] = {};
 
   const float* colour_covariance[6];                    ///< of the mean, with a row's pitch: RR, GG, BB, RG, RB, GB

@@ -18,6 +18,8 @@ namespace stein::kernels::HWY_NAMESPACE {
 
 // The pixel's own guides, in all lanes.
 struct OwnGuides {
+  OwnGuides(const OwnGuides&) = delete;
+  OwnGuides& operator=(const OwnGuides&) = delete;
   OwnGuides(const Guides& around, std::ptrdiff_t at) : guides(around) {
     const int channels = around.groups > 0 ? around.group_end[around.groups - 1] : 0;
     for (int k = 0; k < channels; ++k) guides.channel[k] = repeat(around.channel[k][at], channel[k]);

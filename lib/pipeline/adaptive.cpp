@@ -75,6 +75,7 @@ AdaptiveResult denoise_adaptively(int width, int height, const RenderSamples& re
   DenoiseParams intermediate = params.denoise;
   intermediate.filters = {params.intermediate};
   intermediate.candidates.clear();
+  intermediate.second_pass = false;
   intermediate.density.rule = params.density;
   const bool is_of_all = params.density == DensityRule::kAllSamples;
   LoopProgress progress(params.denoise.execution.progress, params.iterations + 1);

@@ -88,15 +88,24 @@ RiskChoice monte_carlo(const Frame& frame, const NoisyGuides& noisy, std::string
   return make_choice(Risk::kMonteCarlo, name, std::move(reason), noisy);
 }
 
-RiskChoice closed_form(NoisyGuides noisy, Risk wanted) {
+bool counts_events(const FilterSpec& filter) {
+  return std::visit(
+      []<class Params>(const Params&) {
+        return requires { Params::kCountsEvents; };
+      },
+      filter);
+}
+
+RiskChoice closed_form(NoisyGuides noisy, const FilterSpec& filter, Risk wanted) {
   const std::string asked = "it was asked for";
   if (wanted == Risk::kPlain) {  // leaves out what is known
     noisy.unknown.insert(noisy.unknown.end(), noisy.known.begin(), noisy.known.end());
     return make_choice(Risk::kPlain, "SURE", asked, noisy);
   }
   if (!noisy.known.empty()) {
-    return make_choice(Risk::kJoint, "joint SURE", wanted == Risk::kJoint ? asked : "the frame has the covariances",
-                       noisy);
+    const std::string found = "the frame has the covariances";
+    const std::string reason = counts_events(filter) ? found + "; noise of few events as such" : found;
+    return make_choice(Risk::kJoint, "joint SURE", wanted == Risk::kJoint ? asked : reason, noisy);
   }
   return make_choice(
       Risk::kPlain, "SURE",
@@ -142,7 +151,7 @@ RiskChoice choose_risk(const Frame& frame, const FilterSpec& filter, const Denoi
   if (params.risk == Risk::kMonteCarlo) return monte_carlo(frame, noisy, "it was asked for");
   if (!has_derivative(filter)) return monte_carlo(frame, noisy, "the filter has no closed form");
   if (params.risk == Risk::kJoint) require_covariances(frame, noisy);
-  return closed_form(noisy, params.risk);
+  return closed_form(noisy, filter, params.risk);
 }
 
 RiskChoice external_risk(const Frame& frame, int draws) {

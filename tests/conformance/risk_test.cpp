@@ -194,6 +194,31 @@ TEST_CASE("risk: joint and Monte Carlo SURE are unbiased where colour and featur
   }
 }
 
+// Few events are no Gaussian noise: where noise is Gaussian and large, taking it for a count's says too much.
+TEST_CASE("risk: noise that is Gaussian, taken for that of few events, leaves the risk within a tenth") {
+  CrossNlmParams nlm;
+  nlm.window_radius = 5;
+  for (const FilterSpec& spec : {FilterSpec(CrossBilateralParams{}), FilterSpec(nlm)}) {
+    NoisyScene scene({.feature_noise = true, .seed = 77});
+    const std::size_t candidates = candidate_names(spec).size() - 1;
+    std::vector<Statistics> biases(candidates);
+    std::vector<Statistics> errors(candidates);
+    for (int i = 0; i < 300; ++i) {
+      scene.draw();
+      const BankResult bank = run_filter(spec, scene.frame(), {.counts = true});
+      for (std::size_t k = 0; k < candidates; ++k) {
+        biases[k].add(bias(scene, bank, [k](int, int, std::size_t) { return k; }));
+        errors[k].add(true_error(scene, bank, k));
+      }
+    }
+    for (std::size_t k = 0; k < candidates; ++k) {
+      INFO(filter_name(spec) << ", " << candidate_names(spec)[k + 1] << ", true error " << errors[k].mean());
+      check_nearly_unbiased(biases[k], 0.1 * errors[k].mean());
+      CHECK(biases[k].standard_error() < 0.02 * errors[k].mean());
+    }
+  }
+}
+
 TEST_CASE("risk: plain SURE fails where colour and features are noisy together") {
   NoisyScene scene({.feature_noise = true, .seed = 99});
   const Biases all = measure(CrossBilateralParams{}, scene, 100);

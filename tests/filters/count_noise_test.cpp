@@ -21,27 +21,44 @@ constexpr int kSamples = 8;
 constexpr std::array<const char*, 3> kRgb = {"R", "G", "B"};
 constexpr std::array<double, 3> kLamp = {20.0, 14.0, 6.0};  // what the lamp adds to the wall
 constexpr double kWall = 0.1;
-constexpr double kWallAlbedo = 0.7;  // a lamp has none
+const std::vector<FeatureShape> kAlbedo = {{"albedo", 3}};
+
+// What a channel of a feature is on the wall, and how much more on the lamp.
+double on_wall(const std::string& feature, std::size_t channel) {
+  return feature == "depth" ? 3.0 : feature == "albedo" ? 0.7 : 0.1 + 0.4 * static_cast<double>(channel);
+}
+double lamp_less_wall(const std::string& feature, std::size_t channel) {
+  return feature == "albedo" ? -0.7 : 0.2 - 0.3 * static_cast<double>(channel);
+}
+
+// Calls visit(feature's name, channel, names of the planes of its mean and its variance).
+template <class Visit>
+void for_each_channel(const Frame& frame, Visit visit) {
+  for (const Feature& feature : frame.features) {
+    for (std::size_t k = 0; k < feature.mean.size(); ++k)
+      visit(feature.name, k, plane_name(feature, k, false), plane_name(feature, k, true));
+  }
+}
 
 // A pixel that has seen the lamp k times: means, their variances and covariances as a renderer measures them.
 void see(OwnedFrame& frame, int x, int y, int k) {
   const double share = static_cast<double>(k) / kSamples;
   const double variance = share * (1.0 - share) / (kSamples - 1);
+  const auto set = [&](const std::string& plane, double value) { frame.at(plane, x, y) = static_cast<float>(value); };
   for (std::size_t c = 0; c < 3; ++c) {
-    frame.at(kRgb[c], x, y) = static_cast<float>(kWall + share * kLamp[c]);
-    frame.at(std::string("variance.") + kRgb[c], x, y) = static_cast<float>(variance * kLamp[c] * kLamp[c]);
-    frame.at(std::string("albedo.") + kRgb[c], x, y) = static_cast<float>(kWallAlbedo * (1.0 - share));
-    frame.at(std::string("albedo.variance.") + kRgb[c], x, y) =
-        static_cast<float>(variance * kWallAlbedo * kWallAlbedo);
-    for (std::size_t o = 0; o < 3; ++o) {
-      if (o > c) {
-        frame.at(std::string("covariance.") + kRgb[c] + "." + kRgb[o], x, y) =
-            static_cast<float>(variance * kLamp[c] * kLamp[o]);
-      }
-      frame.at(std::string("covariance.") + kRgb[c] + ".albedo." + kRgb[o], x, y) =
-          static_cast<float>(-variance * kLamp[c] * kWallAlbedo);
-    }
+    set(kRgb[c], kWall + share * kLamp[c]);
+    set(std::string("variance.") + kRgb[c], variance * kLamp[c] * kLamp[c]);
+    for (std::size_t o = c + 1; o < 3; ++o)
+      set(std::string("covariance.") + kRgb[c] + "." + kRgb[o], variance * kLamp[c] * kLamp[o]);
   }
+  for_each_channel(frame.frame(), [&](const std::string& feature, std::size_t channel, const std::string& mean,
+                                      const std::string& variance_plane) {
+    const double more = lamp_less_wall(feature, channel);
+    set(mean, on_wall(feature, channel) + share * more);
+    set(variance_plane, variance * more * more);
+    for (std::size_t c = 0; c < 3; ++c)
+      set(std::string("covariance.") + kRgb[c] + "." + mean, variance * kLamp[c] * more);
+  });
   frame.at("sampleCount", x, y) = kSamples;
 }
 
@@ -73,11 +90,12 @@ constexpr int kY = 10;
 
 // A wall of which some pixels, (kX, kY) among them, have seen a lamp; with what noise says of one event at (kX, kY).
 struct Rim {
-  OwnedFrame frame{23, 21, {{"albedo", 3}}};
-  OwnedFrame less{23, 21, {{"albedo", 3}}};  // with an event less there
-  std::array<double, 3> factor{};            // to the difference of the two results
+  OwnedFrame frame;
+  OwnedFrame less;                 // with an event less there
+  std::array<double, 3> factor{};  // to the difference of the two results
 
-  explicit Rim(int k) {
+  explicit Rim(int k, const std::vector<FeatureShape>& features = kAlbedo)
+      : frame(23, 21, features), less(23, 21, features) {
     for (OwnedFrame* each : {&frame, &less}) {
       for (int y = 0; y < 21; ++y) {
         for (int x = 0; x < 23; ++x) see(*each, x, y, (x * 5 + y * 3) % 7 == 0 ? 1 : 0);
@@ -99,9 +117,12 @@ struct Rim {
       const double with_brightness = unit * lamp * kLamp[c];
       factor[c] = with_brightness / event;
       less.at(kRgb[c], kX, kY) -= static_cast<float>(event * with_brightness / variance);
-      less.at(std::string("albedo.") + kRgb[c], kX, kY) += static_cast<float>(event * kWallAlbedo / lamp);
-      less.at(std::string("albedo.variance.") + kRgb[c], kX, kY) *= static_cast<float>(1.0 - 1.0 / events);
     }
+    for_each_channel(frame.frame(), [&](const std::string& feature, std::size_t channel, const std::string& mean,
+                                        const std::string& variance_plane) {
+      less.at(mean, kX, kY) -= static_cast<float>(event * lamp_less_wall(feature, channel) / lamp);
+      less.at(variance_plane, kX, kY) *= static_cast<float>(1.0 - 1.0 / events);
+    });
   }
 };
 
@@ -126,8 +147,12 @@ TEST_CASE("count noise: the divergence is what one event less makes of the resul
   }
 }
 
-void check_nlm(const CrossNlmParams& params, int k) {
-  const Rim rim(k);
+void check_nlm(const CrossNlmParams& params, int k, const std::vector<FeatureShape>& features = kAlbedo,
+               bool has_hole = false) {
+  Rim rim(k, features);
+  if (has_hole) {
+    for (OwnedFrame* frame : {&rim.frame, &rim.less}) frame->at("G", kX + 1, kY - 1) = std::nanf("");
+  }
   const BankResult bank = run(params, rim.frame.frame(), true);
   const Source now(rim.frame.frame(), inspect(rim.frame.frame()));
   const Source then(rim.less.frame(), inspect(rim.less.frame()));
@@ -151,10 +176,24 @@ TEST_CASE("count noise: cross-nlm's too, which sees the pixel's colour in the pa
   }
 }
 
+TEST_CASE("count noise: cross-nlm's with the usual features, next to an invalid pixel, for patches of any size") {
+  for (const int patch_radius : {0, 1, 2, 4}) {
+    for (const float blur : {0.0F, 1.0F}) {
+      CrossNlmParams params = nlm(PatchDistance::kVarianceNormalised, 5);
+      params.patch_radius = patch_radius;
+      params.patch_blur = blur;
+      check_nlm(params, 2, kUsualFeatures);
+      check_nlm(params, 2, kUsualFeatures, true);
+      check_nlm(params, 1, {{"normal", 3}, {"albedo", 3}}, true);
+    }
+  }
+}
+
 TEST_CASE("count noise: all instruction sets of this machine agree") {
   for (std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS; targets != 0; targets &= targets - 1) {
     hwy::SetSupportedTargetsForTest(targets & -targets);
     check_nlm(nlm(PatchDistance::kVarianceNormalised, 6), 2);
+    check_nlm(nlm(PatchDistance::kVarianceNormalised, 6), 2, kUsualFeatures);
     hwy::SetSupportedTargetsForTest(0);
   }
 }
@@ -168,7 +207,7 @@ struct RimRisks {
   RimRisks(const FilterSpec& spec, int realisations) {
     constexpr int kWidth = 16;
     constexpr int kHeight = 16;
-    OwnedFrame frame(kWidth, kHeight, {{"albedo", 3}});
+    OwnedFrame frame(kWidth, kHeight, kAlbedo);
     Random random(7);
     for (int i = 0; i < realisations; ++i) {
       for (int y = 0; y < kHeight; ++y) {

@@ -24,6 +24,15 @@ CrossNlmParams small_bank(PatchDistance distance, int patch_radius = 2) {
   return params;
 }
 
+// Steps of sqrt(2) around those sigmas: most weights are squares of the next candidate's.
+CrossNlmParams squares_bank(PatchDistance distance) {
+  CrossNlmParams params = small_bank(distance);
+  params.range_sigmas.clear();
+  const double least = distance == PatchDistance::kAbsolute ? 0.05 : 0.5;
+  for (int s = 0; s < 9; ++s) params.range_sigmas.push_back(static_cast<float>(least * std::exp2(0.5 * s)));
+  return params;
+}
+
 // Largest deviation of a result from the plain reference, relative to the size of the values involved.
 double deviation(const CrossNlmParams& params, const Frame& frame, const BankResult& bank, int step = 1) {
   const Source source(frame, inspect(frame));
@@ -128,6 +137,8 @@ TEST_CASE("cross-nlm: invalid pixels have no weight in window and patches, unusa
   for (const PatchDistance distance : kDistances) {
     CHECK(deviation(small_bank(distance), frame.frame()) < 1e-5);
     CHECK(divergence_deviation(small_bank(distance), frame.frame(), Divergence::kJoint) < 1e-4);
+    CHECK(deviation(squares_bank(distance), frame.frame()) < 1e-5);
+    CHECK(divergence_deviation(squares_bank(distance), frame.frame(), Divergence::kJoint) < 1e-4);
   }
 }
 
@@ -148,14 +159,14 @@ TEST_CASE("cross-nlm: high dynamic range keeps its precision") {
     }
   }
   for (const PatchDistance distance : kDistances) {
-    CrossNlmParams params = small_bank(distance);
-    if (distance == PatchDistance::kAbsolute) params.range_sigmas = {2e-5F, 1e-4F, 1.0F};
+    CrossNlmParams params = squares_bank(distance);
+    if (distance == PatchDistance::kAbsolute) params.range_sigmas = {2e-5F, 1e-4F, 1.0F, 1.41421356F, 2.0F};
     const BankResult bank = run_filter(params, frame.frame(), {32, 16, Divergence::kPlain, {}});
     const Source source(frame.frame(), inspect(frame.frame()));
     const CrossNlmReference reference(params, source);
     for (int y = 0; y < 24; y += 5) {
       for (int x = 0; x < 40; ++x) {
-        const auto s = static_cast<std::size_t>(x % 3);
+        const std::size_t s = static_cast<std::size_t>(x) % params.range_sigmas.size();
         const double expected = reference.result(params.range_sigmas[s], x, y)[1];
         // Relative to the dark side's own level: nothing of the bright side may leak in through rounding.
         CHECK(bank.result[s][1].row(y)[x] == Approx(expected).epsilon(1e-4));
@@ -231,10 +242,12 @@ TEST_CASE("cross-nlm: all instruction sets of this machine agree") {
       hwy::SetSupportedTargetsForTest(targets & -targets);
       const double result = deviation(small_bank(distance), frame.frame(), 5);
       const double divergence = divergence_deviation(small_bank(distance), frame.frame(), Divergence::kJoint);
+      const double squares = deviation(squares_bank(distance), frame.frame(), 5);
       hwy::SetSupportedTargetsForTest(0);
       INFO(hwy::TargetName(targets & -targets));
       CHECK(result < 1e-5);
       CHECK(divergence < 1e-4);
+      CHECK(squares < 1e-5);
     }
   }
 }

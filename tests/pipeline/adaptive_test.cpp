@@ -167,6 +167,19 @@ TEST_CASE("adaptive loop: a regression drives it, by either density") {
   CHECK(reduction != adaptive);
 }
 
+TEST_CASE("adaptive loop: a second pass is the result's alone") {
+  std::vector<std::vector<std::uint32_t>> calls;
+  for (const bool second_pass : {false, true}) {
+    Renderer renderer(6);
+    AdaptiveParams params = params_of(16 * Renderer::kPixels);
+    params.denoise.second_pass = second_pass;
+    const AdaptiveResult adaptive = run(renderer, params);
+    CHECK((adaptive.result.report.filters.back().name == "second-pass") == second_pass);
+    if (second_pass) CHECK(renderer.calls == calls);
+    calls = renderer.calls;
+  }
+}
+
 TEST_CASE("adaptive loop: it stops when the estimated error meets the target") {
   Renderer renderer(4);
   AdaptiveParams params = params_of(64 * Renderer::kPixels);

@@ -33,6 +33,8 @@ TEST_CASE("risk: what the frame has decides, and the report says so") {
   const RiskChoice joint = choice(with.frame(), Risk::kAuto);
   CHECK(joint.method == Risk::kJoint);
   CHECK(joint.name == "joint SURE");
+  CHECK(joint.reason == "the frame has the covariances; noise of few events as such");
+  CHECK(choose_risk(with.frame(), AdaptiveOrderParams{}, {}).reason == "the frame has the covariances");
   CHECK(joint.warnings.empty());
 
   const RiskChoice plain = choice(without.frame(), Risk::kAuto);
