@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The isotropic Gaussian bank against plain sums, and its divergence against finite differences.
+#include <cmath>
+
+#include "catch.hpp"
+#include "support/cross_bilateral_reference.hpp"
+#include "support/synthetic.hpp"
+
+namespace stein::test {
+namespace {
+
+GaussianParams bank() {
+  GaussianParams params;
+  params.spatial_sigmas = {0.7F, 1.5F, 3.0F};
+  return params;
+}
+
+// Of the valid pixels within two standard deviations, as ScaleTaps has them; `nudge` is added to the pixel's own.
+double mean_around(const Frame& frame, std::size_t c, double sigma, int x, int y, double nudge) {
+  double weights = 0;
+  double sum = 0;
+  for (int v = 0; v < frame.height; ++v) {
+    for (int u = 0; u < frame.width; ++u) {
+      const double square = (u - x) * (u - x) + (v - y) * (v - y);
+      if (square > 4.0 * sigma * sigma || !is_valid(frame, u, v)) continue;
+      const double weight = std::exp(-square / (2.0 * sigma * sigma));
+      weights += weight;
+      sum += weight * (frame.colour[c].at(u, v) + (square == 0.0 ? nudge : 0.0));
+    }
+  }
+  return sum / weights;
+}
+
+}  // namespace
+
+TEST_CASE("gaussian: equals plain sums, and its divergence the finite difference, whatever the features") {
+  OwnedFrame frame(29, 23, kUsualFeatures);
+  fill_random(frame, 17);
+  frame.at("G", 12, 9) = std::nanf("");
+  const GaussianParams params = bank();
+  for (const Divergence divergence : {Divergence::kPlain, Divergence::kJoint}) {
+    const BankResult found = run_filter(params, frame.frame(), {.divergence = divergence});
+    for (std::size_t s = 0; s < params.spatial_sigmas.size(); ++s) {
+      const double sigma = params.spatial_sigmas[s];
+      for (int y = 0; y < 23; y += 2) {
+        for (int x = 0; x < 29; ++x) {
+          if (!is_valid(frame.frame(), x, y)) continue;
+          for (std::size_t c = 0; c < 3; ++c) {
+            const double F = mean_around(frame.frame(), c, sigma, x, y, 0.0);
+            CHECK(found.result[s][c].row(y)[x] == Approx(F).epsilon(1e-5).margin(1e-6));
+            constexpr double kStep = 1e-3;  // of a linear function: any will do
+            const double slope = (mean_around(frame.frame(), c, sigma, x, y, kStep) - F) / kStep;
+            const double expected = slope * frame.frame().colour_variance[c].at(x, y);
+            CHECK(found.divergence[s][c].row(y)[x] == Approx(expected).epsilon(1e-5));
+          }
+        }
+      }
+    }
+  }
+}
+
+}  // namespace stein::test
