@@ -101,6 +101,7 @@ struct Run {
   exec::Runner& runner;
   StageClock& clock;
   std::vector<FilterPlan> plans;
+  const FirstPass* first;  // null unless the last external candidate is a second pass
   DenoiseResult& result;
 
   void execute(const std::vector<exec::RowStage>& stages, double share) {
@@ -243,8 +244,9 @@ void filter_together(Run& run, bool knows_covariances) {
                                          }}};
   stages.insert(stages.end(), errors.list().begin(), errors.list().end());
   run.execute(stages, kMainShare * kBlendShare / 2);
-  errors.calibrate(run.runner);
   const MixtureWeights weights = blend->mean_weights();
+  if (run.first != nullptr) errors.doubt_gain_over(*run.first, weights[pictures.size()]);
+  errors.calibrate(run.runner);
   for (std::size_t f = 0; f < pictures.size(); ++f) run.result.report.filters[f].weight = weights[f + 1];
 }
 
@@ -287,7 +289,10 @@ DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {
   check(params);
   check(frame);
   require_layers(frame, params);
-  if (params.second_pass) return denoise_twice(frame, params);
+  return params.second_pass ? denoise_twice(frame, params) : denoise_once(frame, params, nullptr);
+}
+
+DenoiseResult denoise_once(const Frame& frame, const DenoiseParams& params, const FirstPass* first) {
   DenoiseResult result;
   DenoiseReport& report = result.report;
   std::vector<FilterPlan> plans;
@@ -316,7 +321,7 @@ DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {
   const LayerSource layers(frame, report.frame, source);
   const OutlierEnergy energy(source, layers, params.outliers.spread);
   Run run{params, source, given, layers, energy, geometry_of(frame, params.execution, runner.slots()),
-          runner, clock,  plans, result};
+          runner, clock,  plans, first,  result};
   if (plans.size() == 1 && params.candidates.empty()) {
     filter_alone(run, knows_covariances);
   } else {

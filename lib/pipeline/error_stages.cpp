@@ -147,12 +147,16 @@ void ErrorStages::collect(const Rect& tile, int slot) {
 void ErrorStages::calibrate(exec::Runner& runner) {
   for (ErrorCalibration& calibration : calibrations_) calibration.fit();
   report_means();
-  runner.for_each(geometry_.height, 0.0, [this](int y, int slot) {
+  const float doubt = add_doubt();
+  runner.for_each(geometry_.height, 0.0, [this, doubt](int y, int slot) {
     for (std::size_t c = 0; c < 3; ++c) {
       const float* F = result_.colour[c].row(y);
       float* error = result_.error[c].row(y);
       for (int x = 0; x < geometry_.width; ++x)
         error[x] = calibrations_[c].error(error[x]) * (F[x] * F[x] + kRelativeEpsilon);
+      if (doubt == 0.0F) continue;
+      const float* first = first_->error[c].row(y);
+      for (int x = 0; x < geometry_.width; ++x) error[x] += doubt * first[x];
     }
     if (params_.density.rule == DensityRule::kAllSamples) return;
     for (int x = 0; x < geometry_.width; x += geometry_.tile_width) {
@@ -161,6 +165,17 @@ void ErrorStages::calibrate(exec::Runner& runner) {
                        result_.density.row(y) + x);
     }
   });
+}
+
+// Adds to the means; returns how many times the first pass's error comes to a pixel's own.
+float ErrorStages::add_doubt() {
+  if (first_ == nullptr || first_->mean_relative_error <= 0) return 0;
+  DenoiseReport& report = result_.report;
+  const double gain = std::max(first_->mean_relative_error - report.mean_relative_error, 0.0);
+  const double doubt = params_.strength * second_weight_ * gain / first_->mean_relative_error;
+  for (std::size_t c = 0; c < 3; ++c) report.mean_error[c] += doubt * first_->mean_error[c];
+  report.mean_relative_error += doubt * first_->mean_relative_error;
+  return static_cast<float>(doubt);
 }
 
 void ErrorStages::report_means() {

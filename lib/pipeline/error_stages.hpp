@@ -24,6 +24,13 @@ namespace stein {
 /// The halos of the stages.
 [[nodiscard]] std::vector<int> error_halos();
 
+/// What is told of the result that a second pass starts from.
+struct FirstPass {
+  std::array<Plane, 3> error;
+  std::array<double, 3> mean_error{};
+  double mean_relative_error = 0;
+};
+
 class ErrorStages {
  public:
   /// Everything referred to must outlive this. When a stage runs, earlier ones have filled the rows of `filtered` and
@@ -34,6 +41,14 @@ class ErrorStages {
 
   /// In the order in which they run. The stages refer to this object.
   [[nodiscard]] const std::vector<exec::RowStage>& list() const noexcept { return list_; }
+
+  /// Before calibrate(), where the picture is to `weight` a second pass's. Its estimate, from perturbed runs, is too
+  /// low: they see the noise that the first pass left, and less of what both passes lost for good. So what the image is
+  /// told to have gained over the first pass counts but for that weight. `first` must outlive this.
+  void doubt_gain_over(const FirstPass& first, double weight) noexcept {
+    first_ = &first;
+    second_weight_ = weight;
+  }
 
   /// After the stages: the error of each pixel, the density that depends on it, and the means in the report.
   void calibrate(exec::Runner& runner);
@@ -46,6 +61,7 @@ class ErrorStages {
   void add_to_means(const Rect& tile, int channel, int y, const float* F, const float* risk);
   void collect(const Rect& tile, int slot);
   void report_means();
+  [[nodiscard]] float add_doubt();
   [[nodiscard]] float* lines_of(int slot) { return lines_[static_cast<std::size_t>(slot)].data(); }
 
   const Source& source_;
@@ -61,6 +77,8 @@ class ErrorStages {
   MapRows predictors_;         // of the error, per channel; and the noise where the density wants it
   MapRows smooth_predictors_;  // the same, smoothed
   std::array<ErrorCalibration, 3> calibrations_;
+  const FirstPass* first_ = nullptr;
+  double second_weight_ = 0;
   struct Sums {
     double error = 0;
     double relative_error = 0;

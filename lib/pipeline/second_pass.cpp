@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/second_pass.hpp"
 
+#include <array>
 #include <chrono>
 #include <string>
 #include <utility>
 
+#include "pipeline/error_stages.hpp"
 #include "stein/candidate.hpp"
 
 namespace stein {
@@ -20,30 +22,13 @@ class Passes {
   explicit Passes(const DenoiseParams& params) : params_(params) {}
 
   /// Of the frame as it is, or perturbed.
-  DenoiseResult second_of(const Frame& frame) {
+  DenoiseResult first_of(const Frame& frame) {
     DenoiseParams first = part(kFirstShare);
     first.filters = filters_of(Quality::kDefault);
     first.strength = 1.0F;
-    return second_of(frame, denoise(frame, first));
+    return denoise(frame, first);
   }
 
-  /// For what counts as no progress, but can be cancelled.
-  [[nodiscard]] Execution between() const {
-    Execution execution = params_.execution;
-    if (execution.progress) {
-      execution.progress = [&progress = params_.execution.progress, begun = begun_](double) { return progress(begun); };
-    }
-    return execution;
-  }
-
-  DenoiseResult mixture(const Frame& frame, ExternalCandidate candidate) {
-    DenoiseParams last = part(1.0 - begun_);
-    last.candidates = params_.candidates;
-    last.candidates.push_back(std::move(candidate));
-    return denoise(frame, last);
-  }
-
- private:
   // What the first pass left is the noise of its result. Its covariances with the features are not known.
   DenoiseResult second_of(const Frame& frame, const DenoiseResult& first) {
     Frame left = frame;
@@ -64,6 +49,23 @@ class Passes {
     return denoise(left, second);
   }
 
+  /// For what counts as no progress, but can be cancelled.
+  [[nodiscard]] Execution between() const {
+    Execution execution = params_.execution;
+    if (execution.progress) {
+      execution.progress = [&progress = params_.execution.progress, begun = begun_](double) { return progress(begun); };
+    }
+    return execution;
+  }
+
+  DenoiseResult mixture(const Frame& frame, const FirstPass& first, ExternalCandidate candidate) {
+    DenoiseParams last = part(1.0 - begun_);
+    last.candidates = params_.candidates;
+    last.candidates.push_back(std::move(candidate));
+    return denoise_once(frame, last, &first);
+  }
+
+ private:
   // One of the runs, as a share of the whole; without external candidates, whose images are of the frame as it is.
   DenoiseParams part(double share) {
     DenoiseParams params = params_;
@@ -92,19 +94,22 @@ std::array<ConstPlaneView, 3> image_of(const DenoiseResult& result) {
 DenoiseResult denoise_twice(const Frame& frame, const DenoiseParams& params) {
   const auto start = std::chrono::steady_clock::now();
   Passes passes(params);
-  const DenoiseResult picture = passes.second_of(frame);
+  DenoiseResult once = passes.first_of(frame);
+  const DenoiseResult picture = passes.second_of(frame, once);
+  const FirstPass first{std::move(once.error), once.report.mean_error, once.report.mean_relative_error};
+  once = {};
   const Perturbation perturbation{params.monte_carlo.seed, 0, kExternalStep};
   const PerturbedFrame moved(frame, perturbation, passes.between());
   Frame without_layers = moved.frame();
   without_layers.layers.clear();
-  const DenoiseResult moved_picture = passes.second_of(without_layers);
+  const DenoiseResult moved_picture = passes.second_of(without_layers, passes.first_of(without_layers));
 
   ExternalImages images{image_of(picture), {{perturbation, image_of(moved_picture)}}, {}};
   for (const FilteredLayer& layer : picture.layers) {
     for (const Plane& plane : layer.mean) images.layers.push_back(plane.view());
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  DenoiseResult result = passes.mixture(frame, {kName, std::move(images)});
+  DenoiseResult result = passes.mixture(frame, first, {kName, std::move(images)});
   result.report.stages.insert(result.report.stages.begin(), {kName, seconds});
   return result;
 }
