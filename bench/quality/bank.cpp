@@ -55,7 +55,7 @@ Bank::Pixel Bank::pixel(int entry, int channel, int x, int y) const {
   float D = 0;
   if (entry == 0) {
     source_->colour_row(c, y, x, 1, &F);
-    source_->variance_row(c, y, x, 1, &D);
+    source_->colour_covariance_row(c, c, y, x, 1, &D);
   } else {
     F = runs_->candidates().result(entry - 1, channel, y)[x];
     D = runs_->candidates().divergence(entry - 1, channel, y)[x];

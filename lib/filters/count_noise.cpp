@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kMostEvents = 16.0;  // of more, one is a small step
 // Least distance from itself, as an exponent of 2, that an event less must take a pixel: below, the derivative will do.
-constexpr double kLeastMove = 0.3;
+constexpr double kLeastMove = 0.1;
 constexpr int kSingleLines = 8;  // of Less, beside guides
 constexpr int kPairs[3][2] = {{0, 1}, {0, 2}, {1, 2}};
 
@@ -49,10 +49,13 @@ CountNoise::Less CountNoise::less(float* scratch) const {
 bool CountNoise::split(const Pixels& pixels, float* scratch) const {
   const Less to = less(scratch);
   sample_count_row(source_.frame(), pixels.y, pixels.x, pixels.count, to.samples);
+  // What an outlier was scaled down to is no sum of events.
+  source_.replaced().for_each(pixels.y, pixels.x, pixels.count,
+                              [&](const ReplacedPixel&, int i) { to.samples[i] = 0; });
   for (float* factor : to.factor) std::fill_n(factor, pitch_, 0.0F);
   bool is_any = false;
   for (int i = 0; i < pixels.count; ++i) {
-    std::optional<Count> found = count_at(pixels, i);
+    std::optional<Count> found = to.samples[i] > 0.0F ? count_at(pixels, i) : std::nullopt;
     if (!found) continue;
     const double distance = move_guides(pixels, i, *found, to);
     if (!(distance >= kLeastMove)) continue;

@@ -83,8 +83,8 @@ class CrossBilateral final : public PreparedFilter {
     });
     for (int y = 0; y < tile.height(); ++y) {
       for (std::size_t c = 0; c < 3; ++c) {
-        source_.variance_row(c, tile.y0 + y, tile.x0, tile.width(),
-                             planes.row(first_plane + 3 + static_cast<int>(c), y));
+        source_.colour_covariance_row(c, c, tile.y0 + y, tile.x0, tile.width(),
+                                      planes.row(first_plane + 3 + static_cast<int>(c), y));
       }
     }
   }

@@ -233,7 +233,7 @@ MixtureRisk Blend::block_risk(int column, int row, Pictures compared, float* lin
       const int first = c * kBlock;
       source_.input_row(channel, y, x0, values.count, mean, values.variance + first);
       source_.colour_row(channel, y, x0, values.count, values.residual[0] + first);
-      source_.variance_row(channel, y, x0, values.count, values.divergence[0] + first);
+      source_.colour_covariance_row(channel, channel, y, x0, values.count, values.divergence[0] + first);
       for (int k = 1; k < count_; ++k) {
         const MixtureRows& picture = pictures_[static_cast<std::size_t>(k - 1)].rows;
         std::copy_n(picture.result(c, y) + x0, values.count, values.residual[k] + first);

@@ -164,7 +164,10 @@ void take_outlier_energy(Run& run, const exec::RowRing& rows) {
   const MixtureRows picture(rows);
   const int width = run.geometry.width;
   run.runner.for_each(run.geometry.height, 0.0, [&](int y, int) {
-    for (int c = 0; c < 3; ++c) run.energy.add_colour(c, y, 0, width, -1.0F, picture.result(c, y));
+    for (int c = 0; c < 3; ++c) {
+      run.energy.add_colour(c, y, 0, width, -1.0F, picture.result(c, y));
+      run.energy.add_divergence(c, y, 0, width, -1.0F, picture.divergence(c, y));
+    }
     for (int c = 0; c < run.layers.channels(); ++c) run.energy.add_layer(c, y, 0, width, -1.0F, picture.layer(c, y));
   });
 }

@@ -98,6 +98,7 @@ void ErrorStages::assess_row(const Rect& tile, int y, float* lines) {
       D[i] = strength * own + (1.0F - strength) * variance[i];
     }
     energy_.add_colour(c, y, tile.x0, n, strength, F);
+    energy_.add_divergence(c, y, tile.x0, n, strength, D);
     float* risk = risks_.row(c, y) + tile.x0;
     sure_row(F, D, mean, variance, n, risk);
     add_to_means(tile, c, y, F, risk);

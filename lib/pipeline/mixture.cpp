@@ -8,7 +8,8 @@ void input_row(const Source& source, const LayerSource& layers, int plane, int y
   if (plane < MixtureRows::kDivergences) {
     source.colour_row(static_cast<std::size_t>(plane), y, x, count, out);
   } else if (plane < MixtureRows::kLayers) {
-    source.variance_row(static_cast<std::size_t>(plane - MixtureRows::kDivergences), y, x, count, out);
+    const auto channel = static_cast<std::size_t>(plane - MixtureRows::kDivergences);
+    source.colour_covariance_row(channel, channel, y, x, count, out);
   } else {
     layers.row(plane - MixtureRows::kLayers, y, x, count, out);
   }

@@ -23,7 +23,7 @@ void relative_risk_rows(const Source& source, const CandidateRows& candidates, i
     const auto channel = static_cast<std::size_t>(c);
     source.input_row(channel, y, tile.x0, n, mean, variance);
     source.colour_row(channel, y, tile.x0, n, colour);
-    source.variance_row(channel, y, tile.x0, n, own_variance);
+    source.colour_covariance_row(channel, channel, y, tile.x0, n, own_variance);
     const float* scale = candidates.result(common, c, y) + tile.x0;
     for (int i = 0; i < n; ++i) weight[i] = 1.0F / (3.0F * (scale[i] * scale[i] + kRelativeEpsilon));
     for (int e = 0; e < entries; ++e) {

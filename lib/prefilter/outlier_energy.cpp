@@ -60,6 +60,18 @@ void OutlierEnergy::add_colour(int channel, int y, int x, int count, float facto
       out);
 }
 
+void OutlierEnergy::add_divergence(int channel, int y, int x, int count, float factor, float* out) const {
+  if (outliers_.empty()) return;
+  const ConstPlaneView& variance = source_.frame().colour_variance[static_cast<std::size_t>(channel)];
+  const auto row = static_cast<std::size_t>(y);
+  for (std::size_t i = first_in_row_[row]; i < first_in_row_[row + 1]; ++i) {
+    const ReplacedPixel& pixel = *outliers_[i].pixel;
+    if (pixel.x < x || pixel.x >= x + count) continue;
+    const float share = outliers_[i].inverse_sum * gaussian_[0] * gaussian_[0];
+    out[pixel.x - x] += factor * share * (1.0F - pixel.response) * variance.at(pixel.x, y);
+  }
+}
+
 void OutlierEnergy::add_layer(int channel, int y, int x, int count, float factor, float* out) const {
   const auto lost = [&](const ReplacedPixel& pixel) {
     float own = 0;

@@ -22,7 +22,10 @@ class OutlierEnergy {
 
   /// Adds `factor` times what falls on pixels [x, x + count) of row y, in a channel of the colour.
   void add_colour(int channel, int y, int x, int count, float factor, float* out) const;
-  /// The same in a channel of the layers.
+  /// Adds `factor` times what that makes of the covariance of the result with the pixel's own noise: of an outlier,
+  /// with what it gets back of itself.
+  void add_divergence(int channel, int y, int x, int count, float factor, float* out) const;
+  /// As add_colour, in a channel of the layers.
   void add_layer(int channel, int y, int x, int count, float factor, float* out) const;
 
  private:

@@ -56,6 +56,11 @@ float student_factor(float degrees_of_freedom) {
   return degrees_of_freedom > 0 ? 1.0F + 2.0F / degrees_of_freedom : 1.0F;
 }
 
+// What an outlier's colour has for a derivative, in an error estimate: one that has seen a single bright path is,
+// without that, a standard error less, and what it was scaled to is this times its standard error above that. (By the
+// lemma for counts, docs/risk.md: the slope is that between a path less and none less.)
+float response_of(float lost, float error) { return std::max(1.0F - lost / error, -1.0F); }
+
 OutlierReport outliers_of_row(const Source& source, const OutlierParams& params, int y) {
   const BrightnessRow above = load_brightness(source, y - 1);
   const BrightnessRow here = load_brightness(source, y);
@@ -74,7 +79,7 @@ OutlierReport outliers_of_row(const Source& source, const OutlierParams& params,
     const float excess = mean - neighbour.mean;
     if (!neighbour.found || excess <= params.excess * neighbour.error || excess >= support * here.error[x]) continue;
     const float scale = std::max(neighbour.mean, 0.0F) / mean;
-    ReplacedPixel pixel{static_cast<int>(x) - 1, y, {}, true, scale};
+    ReplacedPixel pixel{static_cast<int>(x) - 1, y, {}, true, scale, response_of(mean - scale * mean, here.error[x])};
     for (std::size_t c = 0; c < 3; ++c) {
       const float value = source.frame().colour[c].at(pixel.x, y);
       pixel.colour[c] = value * scale;

@@ -17,6 +17,7 @@ struct ReplacedPixel {
   bool is_source =
       false;           ///< false: an invalid pixel, filled from its neighbours; true: an outlier that was scaled down
   float scale = 0.0F;  ///< of an outlier: what its colour was multiplied with
+  float response = 0.0F;  ///< of an outlier: how `colour` follows the frame's, see outliers.cpp
 };
 
 class ReplacedPixels {

@@ -51,13 +51,15 @@ float bounded_covariance(float covariance, float variance_a, float variance_b) {
   return std::clamp(covariance, -limit, limit);
 }
 
-// Factors of the colour's covariance at pixels of one row.
-class FactorRow {
+}  // namespace
+
+// Factors of the covariance of the frame's colours at pixels of one row.
+class Source::FactorRow {
  public:
   FactorRow(const Source& source, int y, int x, int count) {
     constexpr std::pair<std::size_t, std::size_t> kPairs[6] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
     for (std::size_t p = 0; p < 6; ++p)
-      source.colour_covariance_row(kPairs[p].first, kPairs[p].second, y, x, count, entry_[p]);
+      source.input_covariance_row(kPairs[p].first, kPairs[p].second, y, x, count, entry_[p]);
   }
   [[nodiscard]] ColourFactor operator[](int i) const {
     return {entry_[0][i], entry_[1][i], entry_[2][i], entry_[3][i], entry_[4][i], entry_[5][i]};
@@ -66,8 +68,6 @@ class FactorRow {
  private:
   float entry_[6][kChunk];
 };
-
-}  // namespace
 
 float feature_range(const Feature& feature, const Memory* memory) {
   if (feature.name == "normal" || feature.name == "albedo" || feature.name == "visibility") return 1.0F;
@@ -99,15 +99,15 @@ Source Source::perturbed(const Perturbation& perturbation) const {
 
 void Source::colour_row(std::size_t channel, int y, int x, int count, float* out) const {
   frame_.colour[channel].read_row(y, x, count, out);
-  if (perturbation_) {
-    float b[kChunk];
-    for (int start = 0; start < count; start += kChunk) {
-      const int part = std::min(kChunk, count - start);
-      direction_row(channel, y, x + start, part, b);
-      for (int i = 0; i < part; ++i) out[start + i] += perturbation_->step * b[i];
-    }
-  }
   replaced_.for_each(y, x, count, [&](const ReplacedPixel& p, int i) { out[i] = p.colour[channel]; });
+  if (!perturbation_) return;
+  float b[kChunk];
+  for (int start = 0; start < count; start += kChunk) {
+    const int part = std::min(kChunk, count - start);
+    direction_row(channel, y, x + start, part, b);
+    scale_responses(y, x + start, part, b);
+    for (int i = 0; i < part; ++i) out[start + i] += perturbation_->step * b[i];
+  }
 }
 
 void Source::variance_row(std::size_t channel, int y, int x, int count, float* out) const {
@@ -115,20 +115,34 @@ void Source::variance_row(std::size_t channel, int y, int x, int count, float* o
   replaced_.for_each(y, x, count, [&](const ReplacedPixel&, int i) { out[i] = 0.0F; });
 }
 
-void Source::colour_covariance_row(std::size_t a, std::size_t b, int y, int x, int count, float* out) const {
-  if (a == b) return variance_row(a, y, x, count, out);
-  const ConstPlaneView& plane = frame_.colour_covariance[a + b - 1];  // R.G, R.B, G.B
-  std::fill_n(out, count, 0.0F);
-  if (!plane) return;
+// Of the frame's colours, which are what was measured at outliers, too; 0 at invalid pixels.
+void Source::input_covariance_row(std::size_t a, std::size_t b, int y, int x, int count, float* out) const {
+  float mean[kChunk];
   float va[kChunk];
   float vb[kChunk];
+  const ConstPlaneView* plane = a == b ? nullptr : &frame_.colour_covariance[a + b - 1];  // R.G, R.B, G.B
   for (int start = 0; start < count; start += kChunk) {
     const int part = std::min(kChunk, count - start);
-    variance_row(a, y, x + start, part, va);
-    variance_row(b, y, x + start, part, vb);
-    plane.read_row(y, x + start, part, out + start);
-    for (int i = 0; i < part; ++i) out[start + i] = bounded_covariance(out[start + i], va[i], vb[i]);
+    input_row(a, y, x + start, part, mean, va);
+    if (a == b) {
+      std::copy_n(va, part, out + start);
+    } else if (*plane) {
+      input_row(b, y, x + start, part, mean, vb);
+      plane->read_row(y, x + start, part, out + start);
+      for (int i = 0; i < part; ++i) out[start + i] = bounded_covariance(out[start + i], va[i], vb[i]);
+    } else {
+      std::fill_n(out + start, part, 0.0F);
+    }
   }
+}
+
+void Source::scale_responses(int y, int x, int count, float* values) const {
+  replaced_.for_each(y, x, count, [&](const ReplacedPixel& p, int i) { values[i] *= p.response; });
+}
+
+void Source::colour_covariance_row(std::size_t a, std::size_t b, int y, int x, int count, float* out) const {
+  input_covariance_row(a, b, y, x, count, out);
+  scale_responses(y, x, count, out);
 }
 
 void Source::feature_covariance_row(std::size_t channel, std::size_t feature, std::size_t k, float factor, int y, int x,
@@ -141,7 +155,7 @@ void Source::feature_covariance_row(std::size_t channel, std::size_t feature, st
   float vb[kChunk];
   for (int start = 0; start < count; start += kChunk) {
     const int part = std::min(kChunk, count - start);
-    variance_row(channel, y, x + start, part, va);
+    input_row(channel, y, x + start, part, vb, va);
     source.variance[k].read_row(y, x + start, part, vb);
     plane.read_row(y, x + start, part, out + start);
     for (int i = 0; i < part; ++i)

@@ -47,17 +47,17 @@ class Source {
 
   /// Colour mean as the filters are to see it.
   void colour_row(std::size_t channel, int y, int x, int count, float* out) const;
-  /// Variance of the mean that the filtered colour's own dependence on the pixel has to be weighted with: 0 at replaced
-  /// pixels, whose brightness no longer depends on their samples.
+  /// Variance of the mean, 0 at replaced pixels: how far filters are to take colours for alike.
   void variance_row(std::size_t channel, int y, int x, int count, float* out) const;
-  /// Covariance of the means of two colour channels, the variance where they are the same; 0 where it is unknown and at
-  /// replaced pixels. Bounded by the two standard deviations.
+  /// What an error estimate takes for the covariance of the colour that the filters see, in channel a, with the mean of
+  /// the frame's, in channel b: the frame's own covariance, bounded by the two standard deviations, 0 where it is
+  /// unknown; at outliers times what they were scaled by; 0 at invalid pixels.
   void colour_covariance_row(std::size_t a, std::size_t b, int y, int x, int count, float* out) const;
-  /// Covariance of the mean of a colour channel with the mean of channel k of a feature in normalised units, times
-  /// `factor`; 0 and bounded as above, and 0 where the feature is unusable.
+  /// Covariance of the mean of a colour channel of the frame with the mean of channel k of a feature in normalised
+  /// units, times `factor`; 0 and bounded as above, and 0 where the feature is unusable.
   void feature_covariance_row(std::size_t channel, std::size_t feature, std::size_t k, float factor, int y, int x,
                               int count, float* out) const;
-  /// The direction b of a perturbed source, in a colour channel; 0 at replaced pixels.
+  /// The direction b of a perturbed source, in a colour channel of the frame; 0 at invalid pixels.
   void direction_row(std::size_t channel, int y, int x, int count, float* out) const;
   /// The same for channel k of a feature in normalised units, times `factor`.
   void feature_direction_row(std::size_t feature, std::size_t k, float factor, int y, int x, int count,
@@ -79,6 +79,11 @@ class Source {
   static constexpr float kNoInformation = 1e10F;
 
  private:
+  class FactorRow;
+
+  void input_covariance_row(std::size_t a, std::size_t b, int y, int x, int count, float* out) const;
+  /// From a change of the frame's colour to one of what the filters see.
+  void scale_responses(int y, int x, int count, float* values) const;
   void group_variance_row(std::size_t feature, int y, int x, int count, float* out) const;
   void raise_variance_row(std::size_t feature, int y, int x, int count, float* variance) const;
   /// Calls visit(i, fill) for each pixel x + i of the row in which the feature is unusable.

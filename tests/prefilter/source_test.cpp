@@ -126,6 +126,44 @@ TEST_CASE("source: an outlier is filtered as scaled down, but stays itself in th
   }
 }
 
+TEST_CASE("source: the colour that is seen of an outlier moves by its response, its features as they are") {
+  OwnedFrame frame(20, 6, {});
+  fill_random(frame, 3);
+  frame.at("R", 4, 2) = kNan;
+  Source source(frame.frame(), inspect(frame.frame()));
+  const Source before = source;
+  ReplacedPixel outlier{6, 2, {0.75F, 0.25F, 0.125F}, true, 0.5F, 0.25F};
+  source.replace({outlier});
+  const auto covariance = [](const Source& of, std::size_t a, std::size_t b, int x) {
+    float row[8];
+    of.colour_covariance_row(a, b, 2, x - 1, 3, row);
+    return row[1];
+  };
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t b = a; b < 3; ++b) {
+      CHECK(covariance(source, a, b, 6) == 0.25F * covariance(before, a, b, 6));
+      CHECK(covariance(source, a, b, 7) == covariance(before, a, b, 7));
+      CHECK(covariance(source, a, b, 4) == 0.0F);
+    }
+    CHECK(covariance(before, a, a, 6) > 0.0F);
+  }
+  const Perturbation perturbation{5, 0, 0.25F};
+  const Source moved = source.perturbed(perturbation);
+  const Source moved_before = before.perturbed(perturbation);
+  for (std::size_t c = 0; c < 3; ++c) {
+    float b = 0;
+    float same = 0;
+    moved.direction_row(c, 2, 6, 1, &b);
+    moved_before.direction_row(c, 2, 6, 1, &same);
+    CHECK(b == same);
+    REQUIRE(b != 0.0F);
+    CHECK(pixel_of(moved, c, 6, 2, 3).colour == Approx(outlier.colour[c] + 0.25F * 0.25F * b));
+    moved.direction_row(c, 2, 4, 1, &b);
+    CHECK(b == 0.0F);
+    CHECK(pixel_of(moved, c, 4, 2, 3).colour == pixel_of(before, c, 4, 2, 3).colour);
+  }
+}
+
 TEST_CASE("source: features are scaled, their variance is that of a sample, and a group shares its mean") {
   constexpr int kWidth = 1100;  // rows are worked on in parts
   OwnedFrame frame(kWidth, 2, {{"normal", 3}, {"depth", 1}, {"other", 2}});
