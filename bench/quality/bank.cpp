@@ -138,7 +138,7 @@ std::vector<int> Bank::least(bool of_true_error) const {
           const Pixel p = pixel(e, c, x, y);
           sum += (p.F - p.truth) * (p.F - p.truth) / (p.truth * p.truth + kEpsilon) / 3.0;
         }
-        rows[e][x] = std::min(static_cast<float>(sum), kRiskLimit);
+        rows[e][x] = std::min(static_cast<float>(sum), runs_->risk_limit());
       }
     }
   }

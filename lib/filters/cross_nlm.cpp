@@ -46,6 +46,10 @@ class CrossNlm final : public PreparedFilter {
 
   [[nodiscard]] int candidates() const noexcept override { return rows_.candidates; }
 
+  // Pixels with much noise are like no other, and keep it with most candidates: their votes are large, and for the few
+  // that differ.
+  [[nodiscard]] float risk_limit() const noexcept override { return 0.3F; }
+
   void run(int /*pass*/, const Rect& tile, FilterScratch& scratch, const CandidateRows& out) const override {
     exec::TilePlanes& planes = scratch.tile;
     const int colour = colour_plane();

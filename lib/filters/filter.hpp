@@ -81,6 +81,9 @@ class PreparedFilter {
   [[nodiscard]] virtual int candidates() const noexcept = 0;  ///< without the unfiltered input
   /// A fairly wide one, whose F says how bright a pixel is; sigma_s = 4 in both banks of SBF.
   [[nodiscard]] virtual int common_candidate() const noexcept { return 2 * candidates() / 3; }
+  /// To what a pixel's relative risks are clipped before they are smoothed: it bounds a single pixel's vote. For the
+  /// choice only; the error that is reported is not clipped. Measured: docs/selection.md.
+  [[nodiscard]] virtual float risk_limit() const noexcept { return 1.0F; }
   /// Runs one pass over the tile; the last one fills F, and D where the filter knows its derivative. What earlier
   /// passes left is there for the tile and the pass's halo around it. Writes up to the next multiple of 16 pixels in x.
   virtual void run(int pass, const Rect& tile, FilterScratch& scratch, const CandidateRows& out) const = 0;

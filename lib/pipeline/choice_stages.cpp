@@ -118,6 +118,7 @@ void ChoiceStages::compare(const Rect& tile, int slot) {
     for (const Rect& part : surveyor_->parts(tile, 0)) surveyor_->add(part, slot);
   }
   const int n = tile.width();
+  const float limit = runs_.risk_limit();
   const std::ptrdiff_t pitch = geometry_.tile_width;
   float* lines = lines_of(slot);
   float* risks[kMaxEntries];
@@ -125,7 +126,7 @@ void ChoiceStages::compare(const Rect& tile, int slot) {
   for (int y = tile.y0; y < tile.y1; ++y) {
     relative_risk_rows(source_, runs_.candidates(), entries_, runs_.common_candidate(), tile, y, lines, pitch, risks);
     for (int e = 0; e < entries_; ++e) {
-      for (int i = 0; i < n; ++i) risks[e][i] = std::clamp(risks[e][i], -kRiskLimit, kRiskLimit);
+      for (int i = 0; i < n; ++i) risks[e][i] = std::clamp(risks[e][i], -limit, limit);
     }
     int map = 0;
     for (int e = 0; e < entries_; ++e) {

@@ -37,6 +37,7 @@ class FilterRuns {
 
   [[nodiscard]] int entries() const noexcept { return entries_; }  ///< candidates and the unfiltered input
   [[nodiscard]] int common_candidate() const noexcept { return runs_.front()->filter->common_candidate(); }
+  [[nodiscard]] float risk_limit() const noexcept { return runs_.front()->filter->risk_limit(); }
   [[nodiscard]] int passes() const noexcept { return static_cast<int>(passes_.size()); }
   [[nodiscard]] const GuideRows& guides() const noexcept { return *runs_.front()->guides; }
   [[nodiscard]] const LayerSource& layers() const noexcept { return layers_; }

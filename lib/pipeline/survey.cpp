@@ -112,6 +112,7 @@ void Surveyor::State::add_row(const Rect& part, int y, float* row_lines) {
   float* risks[kMaxEntries];
   for (int e = 0; e < entries; ++e) risks[e] = row_lines + (kRelativeRiskLines + e) * pitch;
   relative_risk_rows(source, runs.candidates(), entries, runs.common_candidate(), part, y, row_lines, pitch, risks);
+  const float limit = runs.risk_limit();
   float* mask = row_lines;
   source.mask_row(y, part.x0, part.width(), mask);
   for (int i = 0; i < part.width(); ++i) {
@@ -120,7 +121,7 @@ void Surveyor::State::add_row(const Rect& part, int y, float* row_lines) {
     block.pixels += 1.0;
     for (int e = 0; e < entries; ++e) {
       const auto entry = static_cast<std::size_t>(e);
-      block.clipped[entry] += std::clamp(risks[e][i], -kRiskLimit, kRiskLimit);
+      block.clipped[entry] += std::clamp(risks[e][i], -limit, limit);
       block.risk[entry] += risks[e][i];
     }
   }

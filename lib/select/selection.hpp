@@ -7,10 +7,6 @@ namespace stein {
 
 inline constexpr int kMaxEntries = 13;  ///< the unfiltered input and the candidates of a bank
 
-/// Relative risk is clipped to +-kRiskLimit before it is smoothed: a single pixel's vote is bounded. For the choice
-/// only; the error that is reported is not clipped.
-inline constexpr float kRiskLimit = 1.0F;
-
 /// Squared standard errors of weighted means of a map: `square` is the same mean of its squares, and `inverse_count`
 /// makes of the variance that of the mean.
 void standard_error_row(const float* mean, const float* square, const float* inverse_count, int count, float* out);
