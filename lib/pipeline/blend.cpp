@@ -15,7 +15,7 @@ constexpr double kSigma = 2.0;       // blocks: how far around a block the risks
 constexpr int kReach = 5;            // blocks
 constexpr double kImageShare = 0.3;  // of the image's mean risk, next to the mean around the block
 // A pixel whose relative risk is above this counts as much less: few pixels with wrong variances must not decide.
-constexpr float kLimit = 0.3F;
+constexpr float kLimit = 0.1F;
 constexpr float kNoiseLimit = 0.1F;  // the same for its noise, where pictures that are no filter's are compared
 
 // The residuals, divergences and weights of one row of a block, all channels one after the other.
