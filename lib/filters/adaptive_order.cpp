@@ -160,10 +160,8 @@ class AdaptiveOrder final : public PreparedFilter {
     const int all = kFeatures + 2 * rows_.features;
     load_tile(tile, frame.width, frame.height, planes, 0, all, [&](int y, int x, int n, float* const* rows) {
       source_.mask_row(y, x, n, rows[kMask]);
-      for (std::size_t c = 0; c < 3; ++c) {
-        source_.colour_row(c, y, x, n, rows[kColour + c]);
-        if (rows_.is_taylor) source_.variance_row(c, y, x, n, rows[kVariance + c]);
-      }
+      source_.colour_rows(y, x, n, rows + kColour);
+      for (std::size_t c = 0; c < 3 && rows_.is_taylor; ++c) source_.variance_row(c, y, x, n, rows[kVariance + c]);
       blurred_row(source_, rows_.weights.blur, y, x, n, rows + kBlurred);
       for (int k = 0; k < rows_.features; ++k) {
         std::copy_n(features_.mean(k, y) + x, n, rows[kFeatures + 2 * k]);

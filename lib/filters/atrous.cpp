@@ -70,9 +70,9 @@ class Atrous final : public PreparedFilter {
   void read(const Rect& tile, exec::TilePlanes& planes) const {
     const Frame& frame = source_.frame();
     for (int y = tile.y0; y < tile.y1; ++y) {
-      for (int c = 0; c < 3; ++c) {
-        source_.colour_row(static_cast<std::size_t>(c), y, tile.x0, tile.width(), rings_[0].row(c, y) + tile.x0);
-      }
+      float* colour[3];
+      for (int c = 0; c < 3; ++c) colour[c] = rings_[0].row(c, y) + tile.x0;
+      source_.colour_rows(y, tile.x0, tile.width(), colour);
     }
     planes.reserve(layout_, 2);
     load_tile(tile, frame.width, frame.height, planes, 0, 2, [&](int y, int x, int n, float* const* rows) {

@@ -83,9 +83,8 @@ class CrossBilateral final : public PreparedFilter {
  private:
   void load_colour(const Rect& tile, exec::TilePlanes& planes, int first_plane) const {
     const Frame& frame = source_.frame();
-    load_tile(tile, frame.width, frame.height, planes, first_plane, 3, [&](int y, int x, int n, float* const* rows) {
-      for (std::size_t c = 0; c < 3; ++c) source_.colour_row(c, y, x, n, rows[c]);
-    });
+    load_tile(tile, frame.width, frame.height, planes, first_plane, 3,
+              [&](int y, int x, int n, float* const* rows) { source_.colour_rows(y, x, n, rows); });
     for (int y = 0; y < tile.height(); ++y) {
       for (std::size_t c = 0; c < 3; ++c) {
         source_.colour_covariance_row(c, c, tile.y0 + y, tile.x0, tile.width(),

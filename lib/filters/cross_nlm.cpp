@@ -97,7 +97,7 @@ class CrossNlm final : public PreparedFilter {
     const Frame& frame = source_.frame();
     load_tile(tile, frame.width, frame.height, planes, first_plane, 3 + kBlurredPlanes,
               [&](int y, int x, int n, float* const* rows) {
-                for (std::size_t c = 0; c < 3; ++c) source_.colour_row(c, y, x, n, rows[c]);
+                source_.colour_rows(y, x, n, rows);
                 blurred_row(source_, rows_.blur, y, x, n, rows + 3);
               });
   }

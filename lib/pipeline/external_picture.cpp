@@ -50,7 +50,8 @@ class Pictures {
         rows_(MixtureRows::planes(layer_channels(frame_)), frame_.width, frame_.height, given.memory(),
               Memory::Use::kImage),
         out_(rows_),
-        lines_(static_cast<std::size_t>(runner.slots()), std::vector<float>(static_cast<std::size_t>(frame_.width))) {}
+        lines_(static_cast<std::size_t>(runner.slots()),
+               std::vector<float>(3 * static_cast<std::size_t>(frame_.width))) {}
 
   exec::RowRing make() {
     take_image(answer(nullptr).image);
@@ -147,13 +148,15 @@ class Pictures {
     const float factor = 1.0F / (step * static_cast<float>(draws_of(candidate_)));
     runner_.for_each(frame_.height, share_, [&](int y, int slot) {
       std::vector<float> F_moved(static_cast<std::size_t>(frame_.width));
-      float* b = lines_[static_cast<std::size_t>(slot)].data();
+      float* b[3];
+      for (int c = 0; c < 3; ++c)
+        b[c] = lines_[static_cast<std::size_t>(slot)].data() + std::ptrdiff_t{c} * frame_.width;
+      moved.direction_rows(y, 0, frame_.width, b);
       for (int c = 0; c < 3; ++c) {
         const auto channel = static_cast<std::size_t>(c);
-        moved.direction_row(channel, y, 0, frame_.width, b);
         image[channel].read_row(y, 0, frame_.width, F_moved.data());
         // An unusable pixel does not move.
-        add_draw_row(b, F_moved.data(), out_.result(c, y), factor, frame_.width, out_.divergence(c, y));
+        add_draw_row(b[c], F_moved.data(), out_.result(c, y), factor, frame_.width, out_.divergence(c, y));
       }
     });
   }

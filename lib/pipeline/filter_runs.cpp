@@ -41,7 +41,8 @@ FilterRuns::FilterRuns(const Source& source, const LayerSource& layers, const Fi
       geometry_(geometry),
       passes_(halos(plan.spec)),
       scratch_(static_cast<std::size_t>(slots)),
-      directions_(static_cast<std::size_t>(slots), std::vector<float>(static_cast<std::size_t>(geometry.tile_width))) {
+      directions_(static_cast<std::size_t>(slots),
+                  std::vector<float>(3 * static_cast<std::size_t>(geometry.tile_width))) {
   const std::vector<int> read_by = joined(run_halos(plan), readers);
   const int candidate_rows = exec::ring_capacity(geometry, without_first(read_by));
   add_run({}, exec::ring_capacity(geometry, joined(read_by, guided)), candidate_rows);
@@ -99,19 +100,21 @@ void FilterRuns::add_stages(const CutTile& wanted_rows, const TileStep& then, st
   }
 }
 
-void FilterRuns::add_draw(const Run& draw, const Rect& tile, float* b) const {
+void FilterRuns::add_draw(const Run& draw, const Rect& tile, float* directions) const {
   const int n = tile.width();
   const float factor = 1.0F / (plan_.monte_carlo.step * static_cast<float>(plan_.monte_carlo.draws));
   const bool is_first = &draw == runs_[1].get();
   const CandidateRows base = candidates();
   const CandidateRows moved(draw.candidates);
+  float* b[3];
+  for (int c = 0; c < 3; ++c) b[c] = directions + std::ptrdiff_t{c} * geometry_.tile_width;
   for (int y = tile.y0; y < tile.y1; ++y) {
+    draw.perturbed->direction_rows(y, tile.x0, n, b);
     for (int c = 0; c < 3; ++c) {
-      draw.perturbed->direction_row(static_cast<std::size_t>(c), y, tile.x0, n, b);
       for (int k = 0; k + 1 < entries_; ++k) {
         float* D = base.divergence(k, c, y) + tile.x0;
         if (is_first) std::fill_n(D, n, 0.0F);
-        add_draw_row(b, moved.result(k, c, y) + tile.x0, base.result(k, c, y) + tile.x0, factor, n, D);
+        add_draw_row(b[c], moved.result(k, c, y) + tile.x0, base.result(k, c, y) + tile.x0, factor, n, D);
       }
     }
   }

@@ -62,7 +62,7 @@ class FilterRuns {
   };
 
   void add_run(const std::optional<Perturbation>& perturbation, int guide_rows, int candidate_rows);
-  void add_draw(const Run& draw, const Rect& tile, float* b) const;
+  void add_draw(const Run& draw, const Rect& tile, float* directions) const;
 
   const Source& source_;
   const LayerSource& layers_;
@@ -73,7 +73,7 @@ class FilterRuns {
   int entries_ = 0;
   exec::RowRing layer_rows_;                    // of the frame's own run
   std::vector<FilterScratch> scratch_;          // per slot
-  std::vector<std::vector<float>> directions_;  // per slot: a row as wide as a tile
+  std::vector<std::vector<float>> directions_;  // per slot: three rows as wide as a tile
 };
 
 }  // namespace stein

@@ -12,24 +12,37 @@
 namespace stein {
 namespace {
 
-constexpr int kPeriod = 64;    // of every 64 rows ...
-constexpr int kFirstRow = 28;  // ... eight are looked at, so that a filter's first pass can leave out rows as well
-constexpr int kRows = 8;
+constexpr int kRows = 8;     // looked at in a row, so that a filter's first pass can leave out rows as well
+constexpr int kPeriod = 64;  // of so many, or of a multiple in images of many rows
+constexpr int kPeriods = 8;  // of them there are at least so many
 constexpr int kSmall = 256;  // images of fewer rows are looked at as a whole
+
+// From one group of rows to the next; doubles with the image's height.
+int period_of(int height) {
+  int period = kPeriod;
+  while (height >= 2 * kPeriods * period) period *= 2;
+  return period;
+}
+
+int first_row_of(int period) { return (period - kRows) / 2; }
 
 // Whether a row is looked at, or within reach of one.
 bool is_surveyed(int y, int height, int reach) {
   if (height < kSmall) return true;
-  const int beyond = (y + kPeriod - kFirstRow) % kPeriod - (kRows - 1);  // the last row before
-  return beyond <= reach || kPeriod - (kRows - 1) - beyond <= reach;
+  const int period = period_of(height);
+  const int beyond = (y + period - first_row_of(period)) % period - (kRows - 1);  // the last row before
+  return beyond <= reach || period - (kRows - 1) - beyond <= reach;
 }
 
 // How many rows are looked at, or a few more.
-int surveyed_rows(int height) { return height < kSmall ? height : (height / kPeriod + 1) * kRows; }
+int surveyed_rows(int height) { return height < kSmall ? height : (height / period_of(height) + 1) * kRows; }
 
 // Of the rows that are looked at, how many lie before row y, which is one.
 int surveyed_before(int y, int height) {
-  return height < kSmall ? y : (y - kFirstRow) / kPeriod * kRows + (y - kFirstRow) % kPeriod;
+  if (height < kSmall) return y;
+  const int period = period_of(height);
+  const int from_first = y - first_row_of(period);
+  return from_first / period * kRows + from_first % period;
 }
 
 // Sums over the pixels of a block.
@@ -159,7 +172,7 @@ std::vector<BlockSums> Surveyor::State::areas() const {
   constexpr int kBlocksOfArea = 4;
   const int columns = (blocks + kBlocksOfArea - 1) / kBlocksOfArea;
   const int first =
-      height < kSmall ? (kPeriod - kFirstRow) % kRows : 0;  // small images too have areas as large ones do
+      height < kSmall ? (kPeriod - first_row_of(kPeriod)) % kRows : 0;  // small images too have areas as large ones do
   const int rows = surveyed_rows(height);
   std::vector<BlockSums> areas(static_cast<std::size_t>(columns * ((rows - 1 + first) / kRows + 1)));
   for (int y = 0; y < rows; ++y) {

@@ -30,7 +30,8 @@ struct Survey {
   Estimate correlation;        ///< mean product of the residuals of horizontal neighbours
 };
 
-/// Sums over the pixels of the surveyed rows: two of every 16, all of them in images of fewer than 256.
+/// Sums over the pixels of the surveyed rows: eight of every 64, of every 128 from 1024 rows on and so forth, all of
+/// them in images of fewer than 256.
 class Surveyor {
  public:
   Surveyor(const Source& source, const FilterRuns& runs, const exec::RowPipelineGeometry& geometry, int slots);

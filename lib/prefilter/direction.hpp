@@ -17,6 +17,7 @@ namespace stein {
 struct ColourFactor {
   float l00 = 0, l10 = 0, l11 = 0, l20 = 0, l21 = 0, l22 = 0;
 
+  ColourFactor() noexcept = default;
   /// S = [v0 c01 c02; c01 v1 c12; c02 c12 v2]
   ColourFactor(float v0, float v1, float v2, float c01, float c02, float c12) noexcept;
 

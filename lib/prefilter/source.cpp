@@ -53,20 +53,38 @@ float bounded_covariance(float covariance, float variance_a, float variance_b) {
 
 }  // namespace
 
-// Factors of the covariance of the frame's colours at pixels of one row.
-class Source::FactorRow {
+// The directions of a perturbation at up to kChunk pixels of a row: what is the same for all channels is done once.
+class Source::Directions {
  public:
-  FactorRow(const Source& source, int y, int x, int count) {
+  Directions(const Source& source, int y, int x, int count) : source_(source), y_(y), x_(x), count_(count) {
     constexpr std::pair<std::size_t, std::size_t> kPairs[6] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
+    float entry[6][kChunk];
     for (std::size_t p = 0; p < 6; ++p)
-      source.input_covariance_row(kPairs[p].first, kPairs[p].second, y, x, count, entry_[p]);
+      source.input_covariance_row(kPairs[p].first, kPairs[p].second, y, x, count, entry[p]);
+    for (int i = 0; i < count; ++i) {
+      factors_[i] = {entry[0][i], entry[1][i], entry[2][i], entry[3][i], entry[4][i], entry[5][i]};
+      signs_[i] = random_signs(source.perturbation_->seed, source.perturbation_->draw, x + i, y);
+    }
   }
-  [[nodiscard]] ColourFactor operator[](int i) const {
-    return {entry_[0][i], entry_[1][i], entry_[2][i], entry_[3][i], entry_[4][i], entry_[5][i]};
+  void colour(std::size_t channel, float* out) const {
+    for (int i = 0; i < count_; ++i) out[i] = factors_[i].colour(channel, signs_[i]);
+  }
+  // Of channel k of a feature in normalised units, times `factor`.
+  void feature(std::size_t feature, std::size_t k, float factor, float* out) const {
+    float covariance[3][kChunk];
+    for (std::size_t c = 0; c < 3; ++c)
+      source_.feature_covariance_row(c, feature, k, factor, y_, x_, count_, covariance[c]);
+    for (int i = 0; i < count_; ++i)
+      out[i] = factors_[i].feature(covariance[0][i], covariance[1][i], covariance[2][i], signs_[i]);
   }
 
  private:
-  float entry_[6][kChunk];
+  const Source& source_;
+  int y_;
+  int x_;
+  int count_;
+  ColourFactor factors_[kChunk];
+  std::array<float, 3> signs_[kChunk];
 };
 
 float feature_range(const Feature& feature, const Memory* memory) {
@@ -101,13 +119,37 @@ void Source::colour_row(std::size_t channel, int y, int x, int count, float* out
   frame_.colour[channel].read_row(y, x, count, out);
   replaced_.for_each(y, x, count, [&](const ReplacedPixel& p, int i) { out[i] = p.colour[channel]; });
   if (!perturbation_) return;
-  float b[kChunk];
+  for_each_direction(y, x, count, [&](const Directions& directions, int start, int part) {
+    add_colour_step(directions, channel, y, x + start, part, out + start);
+  });
+}
+
+void Source::colour_rows(int y, int x, int count, float* const* out) const {
+  for (std::size_t c = 0; c < 3; ++c) {
+    frame_.colour[c].read_row(y, x, count, out[c]);
+    replaced_.for_each(y, x, count, [&](const ReplacedPixel& p, int i) { out[c][i] = p.colour[c]; });
+  }
+  if (!perturbation_) return;
+  for_each_direction(y, x, count, [&](const Directions& directions, int start, int part) {
+    for (std::size_t c = 0; c < 3; ++c) add_colour_step(directions, c, y, x + start, part, out[c] + start);
+  });
+}
+
+template <class Visit>
+void Source::for_each_direction(int y, int x, int count, Visit visit) const {
   for (int start = 0; start < count; start += kChunk) {
     const int part = std::min(kChunk, count - start);
-    direction_row(channel, y, x + start, part, b);
-    scale_responses(y, x + start, part, b);
-    for (int i = 0; i < part; ++i) out[start + i] += perturbation_->step * b[i];
+    visit(Directions(*this, y, x + start, part), start, part);
   }
+}
+
+// Moves colours as filters see them along the perturbation's direction.
+void Source::add_colour_step(const Directions& directions, std::size_t channel, int y, int x, int count,
+                             float* colour) const {
+  float b[kChunk];
+  directions.colour(channel, b);
+  scale_responses(y, x, count, b);
+  for (int i = 0; i < count; ++i) colour[i] += perturbation_->step * b[i];
 }
 
 void Source::variance_row(std::size_t channel, int y, int x, int count, float* out) const {
@@ -167,39 +209,32 @@ void Source::feature_covariance_row(std::size_t channel, std::size_t feature, st
 }
 
 void Source::direction_row(std::size_t channel, int y, int x, int count, float* out) const {
-  for (int start = 0; start < count; start += kChunk) {
-    const int part = std::min(kChunk, count - start);
-    const FactorRow factors(*this, y, x + start, part);
-    for (int i = 0; i < part; ++i) {
-      const auto z = random_signs(perturbation_->seed, perturbation_->draw, x + start + i, y);
-      out[start + i] = factors[i].colour(channel, z);
-    }
-  }
+  for_each_direction(y, x, count,
+                     [&](const Directions& directions, int start, int) { directions.colour(channel, out + start); });
+}
+
+void Source::direction_rows(int y, int x, int count, float* const* out) const {
+  for_each_direction(y, x, count, [&](const Directions& directions, int start, int) {
+    for (std::size_t c = 0; c < 3; ++c) directions.colour(c, out[c] + start);
+  });
 }
 
 void Source::feature_direction_row(std::size_t feature, std::size_t k, float factor, int y, int x, int count,
                                    float* out) const {
-  float covariance[3][kChunk];
-  for (int start = 0; start < count; start += kChunk) {
-    const int part = std::min(kChunk, count - start);
-    const FactorRow factors(*this, y, x + start, part);
-    for (std::size_t c = 0; c < 3; ++c)
-      feature_covariance_row(c, feature, k, factor, y, x + start, part, covariance[c]);
-    for (int i = 0; i < part; ++i) {
-      const auto z = random_signs(perturbation_->seed, perturbation_->draw, x + start + i, y);
-      out[start + i] = factors[i].feature(covariance[0][i], covariance[1][i], covariance[2][i], z);
-    }
-  }
+  for_each_direction(y, x, count, [&](const Directions& directions, int start, int) {
+    directions.feature(feature, k, factor, out + start);
+  });
 }
 
-// Moves channel k of a feature, in units of `factor` times normalised ones, along the perturbation's direction.
-void Source::add_step(std::size_t feature, std::size_t k, float factor, int y, int x, int count, float* mean) const {
-  float b[kChunk];
-  for (int start = 0; start < count; start += kChunk) {
-    const int part = std::min(kChunk, count - start);
-    feature_direction_row(feature, k, factor, y, x + start, part, b);
-    for (int i = 0; i < part; ++i) mean[start + i] += perturbation_->step * b[i];
-  }
+// Moves the channels of a feature, in units of `factor` times normalised ones, along the perturbation's direction.
+void Source::add_steps(std::size_t feature, float factor, int y, int x, int count, float* const* means) const {
+  for_each_direction(y, x, count, [&](const Directions& directions, int start, int part) {
+    float b[kChunk];
+    for (std::size_t k = 0; k < frame_.features[feature].mean.size(); ++k) {
+      directions.feature(feature, k, factor, b);
+      for (int i = 0; i < part; ++i) means[k][start + i] += perturbation_->step * b[i];
+    }
+  });
 }
 
 void Source::input_row(std::size_t channel, int y, int x, int count, float* mean, float* variance) const {
@@ -291,8 +326,8 @@ void Source::feature_row(std::size_t feature, float factor, int y, int x, int co
   for (std::size_t k = 0; k < channels; ++k) {
     source.mean[k].read_row(y, x, count, means[k]);
     for (int i = 0; i < count; ++i) means[k][i] = std::clamp(means[k][i] * (scale * factor), -kLargest, kLargest);
-    if (perturbation_) add_step(feature, k, factor, y, x, count, means[k]);
   }
+  if (perturbation_) add_steps(feature, factor, y, x, count, means);
   group_variance_row(feature, y, x, count, variance);
   if (frame_.degrees_of_freedom > 0) raise_variance_row(feature, y, x, count, variance);
   for_each_hole(feature, y, x, count, [&](int i, const std::optional<FeatureFill>& fill) {

@@ -47,6 +47,8 @@ class Source {
 
   /// Colour mean as the filters are to see it.
   void colour_row(std::size_t channel, int y, int x, int count, float* out) const;
+  /// The same of all channels.
+  void colour_rows(int y, int x, int count, float* const* out) const;
   /// Variance of the mean, 0 at replaced pixels: how far filters are to take colours for alike.
   void variance_row(std::size_t channel, int y, int x, int count, float* out) const;
   /// What an error estimate takes for the covariance of the colour that the filters see, in channel a, with the mean of
@@ -59,6 +61,8 @@ class Source {
                               int count, float* out) const;
   /// The direction b of a perturbed source, in a colour channel of the frame; 0 at invalid pixels.
   void direction_row(std::size_t channel, int y, int x, int count, float* out) const;
+  /// The same in all channels.
+  void direction_rows(int y, int x, int count, float* const* out) const;
   /// The same for channel k of a feature in normalised units, times `factor`.
   void feature_direction_row(std::size_t feature, std::size_t k, float factor, int y, int x, int count,
                              float* out) const;
@@ -79,7 +83,7 @@ class Source {
   static constexpr float kNoInformation = 1e10F;
 
  private:
-  class FactorRow;
+  class Directions;
 
   void input_covariance_row(std::size_t a, std::size_t b, int y, int x, int count, float* out) const;
   /// From a change of the frame's colour to one of what the filters see.
@@ -89,7 +93,11 @@ class Source {
   /// Calls visit(i, fill) for each pixel x + i of the row in which the feature is unusable.
   template <class Visit>
   void for_each_hole(std::size_t feature, int y, int x, int count, Visit visit) const;
-  void add_step(std::size_t feature, std::size_t k, float factor, int y, int x, int count, float* mean) const;
+  /// Calls visit(directions, start, n) for parts [x + start, x + start + n) of the row.
+  template <class Visit>
+  void for_each_direction(int y, int x, int count, Visit visit) const;
+  void add_colour_step(const Directions& directions, std::size_t channel, int y, int x, int count, float* colour) const;
+  void add_steps(std::size_t feature, float factor, int y, int x, int count, float* const* means) const;
 
   const Frame& frame_;
   Memory* memory_;
