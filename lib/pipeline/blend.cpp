@@ -76,6 +76,7 @@ void add_row(const BlockRow& row, int pictures, const float* mask, const Share& 
     sums.pixels += 1.0;
     for (int i = x; i < kValues; i += kBlock) {
       const double weight = share * row.weight[i];
+      sums.noise += weight * row.variance[i];
       for (int k = 0; k < pictures; ++k) {
         sums.divergences[static_cast<std::size_t>(k)] += weight * row.divergence[k][i];
         for (int l = 0; l <= k; ++l) {
@@ -166,7 +167,7 @@ MixtureRisk Blend::Risks::of(std::size_t block, Pictures compared) const {
 Blend::Pictures Blend::plausible(const MixtureRisk& risk, const MixtureWeights& own) const {
   Pictures found = 0;
   for (int k = own_; k < count_; ++k) {
-    if (distance(risk, own, own_, k) < risk.divergences[0]) found |= Pictures{1} << static_cast<unsigned>(k);
+    if (distance(risk, own, own_, k) < risk.noise) found |= Pictures{1} << static_cast<unsigned>(k);
   }
   return found;
 }

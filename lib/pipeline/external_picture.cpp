@@ -10,6 +10,7 @@
 #include "core/parameter_check.hpp"
 #include "core/validity.hpp"
 #include "pipeline/mixture.hpp"
+#include "pipeline/second_pass.hpp"
 #include "prefilter/perturbed_frame.hpp"
 #include "risk/sure.hpp"
 #include "stein/error.hpp"
@@ -200,6 +201,7 @@ void check_candidates(const DenoiseParams& params) {
   const std::size_t pictures = params.filters.size() + params.candidates.size() + (params.second_pass ? 1 : 0);
   require_in_range("the number of filters and external candidates", static_cast<float>(pictures), 1.0F, kMaxFilters);
   std::set<std::string> names;
+  if (params.second_pass) names.insert(kSecondPass);
   for (const ExternalCandidate& candidate : params.candidates) {
     check(candidate);
     if (names.insert(candidate.name).second) continue;

@@ -12,7 +12,6 @@
 namespace stein {
 namespace {
 
-constexpr const char* kName = "second-pass";
 // Of the progress: the first passes on the frame and on the perturbed one, a second pass each, and the whole again.
 constexpr double kFirstShare = 0.15;
 constexpr double kSecondShare = 0.12;
@@ -109,8 +108,8 @@ DenoiseResult denoise_twice(const Frame& frame, const DenoiseParams& params) {
     for (const Plane& plane : layer.mean) images.layers.push_back(plane.view());
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  DenoiseResult result = passes.mixture(frame, first, {kName, std::move(images)});
-  result.report.stages.insert(result.report.stages.begin(), {kName, seconds});
+  DenoiseResult result = passes.mixture(frame, first, {kSecondPass, std::move(images)});
+  result.report.stages.insert(result.report.stages.begin(), {kSecondPass, seconds});
   return result;
 }
 

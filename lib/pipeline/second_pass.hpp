@@ -13,6 +13,8 @@ namespace stein {
 
 struct FirstPass;
 
+inline constexpr const char* kSecondPass = "second-pass";  ///< its name among the candidates
+
 /// For DenoiseParams::second_pass. `params` and `frame` are checked.
 [[nodiscard]] DenoiseResult denoise_twice(const Frame& frame, const DenoiseParams& params);
 

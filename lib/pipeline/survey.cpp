@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kRows = 8;     // looked at in a row, so that a filter's first pass can leave out rows as well
 constexpr int kPeriod = 64;  // of so many, or of a multiple in images of many rows
-constexpr int kPeriods = 8;  // of them there are at least so many
+constexpr int kPeriods = 8;  // so many there are before they get longer
 constexpr int kSmall = 256;  // images of fewer rows are looked at as a whole
 
 // From one group of rows to the next; doubles with the image's height.

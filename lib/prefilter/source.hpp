@@ -53,7 +53,7 @@ class Source {
   void variance_row(std::size_t channel, int y, int x, int count, float* out) const;
   /// What an error estimate takes for the covariance of the colour that the filters see, in channel a, with the mean of
   /// the frame's, in channel b: the frame's own covariance, bounded by the two standard deviations, 0 where it is
-  /// unknown; at outliers times what they were scaled by; 0 at invalid pixels.
+  /// unknown; at outliers times their response; 0 at invalid pixels.
   void colour_covariance_row(std::size_t a, std::size_t b, int y, int x, int count, float* out) const;
   /// Covariance of the mean of a colour channel of the frame with the mean of channel k of a feature in normalised
   /// units, times `factor`; 0 and bounded as above, and 0 where the feature is unusable.

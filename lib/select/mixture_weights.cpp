@@ -46,6 +46,7 @@ double balance(const MixtureRisk& risk, int count, int a, int b, Vector& weights
 void MixtureRisk::add(const MixtureRisk& other, double factor) {
   for (std::size_t i = 0; i < products.size(); ++i) products[i] += factor * other.products[i];
   for (std::size_t k = 0; k < divergences.size(); ++k) divergences[k] += factor * other.divergences[k];
+  noise += factor * other.noise;
   pixels += factor * other.pixels;
 }
 

@@ -21,6 +21,7 @@ struct MixtureRisk {
   static constexpr std::size_t kPairs = std::size_t{kMaxMixed} * (kMaxMixed + 1) / 2;
   std::array<double, kPairs> products{};  ///< G, see pair()
   std::array<double, kMaxMixed> divergences{};
+  double noise = 0;  ///< sum of the variances
   double pixels = 0;
 
   /// Index of G_kl, k >= l.

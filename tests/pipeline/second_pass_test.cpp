@@ -92,10 +92,13 @@ TEST_CASE("second pass: one more picture, with a weight of its own, the same bit
   bool differs = false;
   for (int y = 0; y < kHeight; ++y) {
     same = same && std::equal(result.colour[1].row(y), result.colour[1].row(y) + kWidth, other.colour[1].row(y));
+    same = same && std::equal(result.error[1].row(y), result.error[1].row(y) + kWidth, other.error[1].row(y));
     differs = differs || !std::equal(once.colour[1].row(y), once.colour[1].row(y) + kWidth, other.colour[1].row(y));
   }
   CHECK(same);
   CHECK(differs);
+  CHECK(result.report.mean_error == other.report.mean_error);
+  CHECK(result.report.mean_relative_error == other.report.mean_relative_error);
 }
 
 TEST_CASE("second pass: what is told rises to 1, and ends all parts") {
@@ -188,6 +191,22 @@ TEST_CASE("second pass: what is told to be gained over the first pass does not c
       CHECK(twice.error[c].row(20)[x] == Approx(told));
     }
   }
+}
+
+TEST_CASE("second pass: its name is not for external candidates") {
+  OwnedFrame frame(kWidth, kHeight, kUsualFeatures);
+  fill(frame);
+  DenoiseParams params = cheap();
+  params.candidates = {
+      {"second-pass", ExternalDenoiser{[](const Frame& given) { return Plane::triple(given.width, given.height); }}}};
+  try {
+    check(params);
+    FAIL("not refused");
+  } catch (const Error& error) {
+    CHECK(error.code() == ErrorCode::kInvalidArgument);
+  }
+  params.second_pass = false;
+  CHECK_NOTHROW(check(params));
 }
 
 TEST_CASE("second pass: strength mixes with the input once") {

@@ -3,7 +3,9 @@
 // What a run says of variances that cannot be true.
 #include "pipeline/survey.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "catch.hpp"
 #include "stein/denoise.hpp"
@@ -113,6 +115,27 @@ TEST_CASE("survey: detail that the filter loses is no doubt either") {
        [&](int x, int y, std::size_t c) { return white.at(x, y, c) + 0.5 * std::sin(0.9 * x) * std::cos(0.7 * y); });
   CHECK_FALSE(warns_of(frame.frame(), kCorrelated));
   CHECK_FALSE(warns_of(frame.frame(), kOverstated));
+}
+
+// A sixteenth of the rows is looked at there.
+TEST_CASE("survey: of an image of many rows, in any tiles") {
+  constexpr int kWidth = 20;
+  constexpr int kHeight = 1100;
+  OwnedFrame frame(kWidth, kHeight, kUsualFeatures);
+  fill_random(frame, 8);
+  DenoiseParams params;
+  params.filters = {CrossBilateralParams{}};
+  std::vector<DenoiseResult> results;
+  for (const int tile_height : {7, 32, 200}) {
+    params.execution.tile_height = tile_height;
+    params.execution.threads = tile_height % 3;
+    results.push_back(denoise(frame.frame(), params));
+  }
+  for (int y = 0; y < kHeight; ++y) {
+    const float* row = results[0].colour[0].row(y);
+    CHECK(std::equal(row, row + kWidth, results[1].colour[0].row(y)));
+    CHECK(std::equal(row, row + kWidth, results[2].colour[0].row(y)));
+  }
 }
 
 }  // namespace stein::test

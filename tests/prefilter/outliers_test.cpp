@@ -116,14 +116,17 @@ TEST_CASE("outliers: the pixel is scaled to its brightest neighbour and keeps it
 
 // Without the one path that made it bright, the pixel would be a standard error less.
 TEST_CASE("outliers: the response is the slope from a pixel with a bright path less") {
-  const auto response = [](float value, float error) {
-    const OutlierReport report = find_one(value, error);  // neighbours of 1
+  OutlierParams params;
+  params.support = 5.0F;
+  const auto response = [&](float value, float error) {
+    const OutlierReport report = find_one(value, error, params);  // neighbours of 1
     REQUIRE(report.pixels.size() == 1);
     return report.pixels[0].response;
   };
   CHECK(response(5.0F, 4.0F) == Approx(0.0));  // from 1 to 1
   CHECK(response(5.0F, 4.5F) == Approx(0.5 / 4.5));
   CHECK(response(5.0F, 2.5F) == Approx(-1.5 / 2.5));  // from 2.5, which would be left alone, to 1
+  CHECK(response(5.0F, 1.0F) == -1.0F);
 }
 
 TEST_CASE("outliers: what is removed sums over all of them, in row order") {

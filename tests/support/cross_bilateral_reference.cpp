@@ -137,7 +137,7 @@ OwnInputs own_inputs(const Source& source, std::size_t c, int x, int y, Divergen
   const Frame& frame = source.frame();
   OwnInputs inputs;
   float own = 0;
-  source.variance_row(c, y, x, 1, &own);  // 0 at replaced pixels, which do not depend on their samples
+  source.variance_row(c, y, x, 1, &own);  // 0 at filled pixels; outliers there are none
   for (std::size_t other = 0; other < 3; ++other) {
     const ConstPlaneView& plane = frame.colour_covariance[other == c ? 0 : c + other - 1];
     const bool is_known = is_joint && plane && own > 0;
