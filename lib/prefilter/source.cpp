@@ -57,12 +57,14 @@ float bounded_covariance(float covariance, float variance_a, float variance_b) {
 class Source::Directions {
  public:
   Directions(const Source& source, int y, int x, int count) : source_(source), y_(y), x_(x), count_(count) {
-    constexpr std::pair<std::size_t, std::size_t> kPairs[6] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
-    float entry[6][kChunk];
-    for (std::size_t p = 0; p < 6; ++p)
-      source.input_covariance_row(kPairs[p].first, kPairs[p].second, y, x, count, entry[p]);
+    float v[3][kChunk];
+    float covariance[3][kChunk];
+    for (std::size_t c = 0; c < 3; ++c) source.input_variance_row(c, y, x, count, v[c]);
+    source.input_covariance_row(0, 1, y, x, count, v[0], v[1], covariance[0]);
+    source.input_covariance_row(0, 2, y, x, count, v[0], v[2], covariance[1]);
+    source.input_covariance_row(1, 2, y, x, count, v[1], v[2], covariance[2]);
     for (int i = 0; i < count; ++i) {
-      factors_[i] = {entry[0][i], entry[1][i], entry[2][i], entry[3][i], entry[4][i], entry[5][i]};
+      factors_[i] = {v[0][i], v[1][i], v[2][i], covariance[0][i], covariance[1][i], covariance[2][i]};
       signs_[i] = random_signs(source.perturbation_->seed, source.perturbation_->draw, x + i, y);
     }
   }
@@ -158,24 +160,21 @@ void Source::variance_row(std::size_t channel, int y, int x, int count, float* o
 }
 
 // Of the frame's colours, which are what was measured at outliers, too; 0 at invalid pixels.
-void Source::input_covariance_row(std::size_t a, std::size_t b, int y, int x, int count, float* out) const {
-  float mean[kChunk];
-  float va[kChunk];
-  float vb[kChunk];
-  const ConstPlaneView* plane = a == b ? nullptr : &frame_.colour_covariance[a + b - 1];  // R.G, R.B, G.B
-  for (int start = 0; start < count; start += kChunk) {
-    const int part = std::min(kChunk, count - start);
-    input_row(a, y, x + start, part, mean, va);
-    if (a == b) {
-      std::copy_n(va, part, out + start);
-    } else if (*plane) {
-      input_row(b, y, x + start, part, mean, vb);
-      plane->read_row(y, x + start, part, out + start);
-      for (int i = 0; i < part; ++i) out[start + i] = bounded_covariance(out[start + i], va[i], vb[i]);
-    } else {
-      std::fill_n(out + start, part, 0.0F);
-    }
+void Source::input_variance_row(std::size_t channel, int y, int x, int count, float* out) const {
+  frame_.colour_variance[channel].read_row(y, x, count, out);
+  replaced_.for_each(y, x, count, [&](const ReplacedPixel& p, int i) { out[i] = p.is_source ? out[i] : 0.0F; });
+}
+
+// The same of two channels with the variances va, vb, at up to kChunk pixels.
+void Source::input_covariance_row(std::size_t a, std::size_t b, int y, int x, int count, const float* va,
+                                  const float* vb, float* out) const {
+  const ConstPlaneView& plane = frame_.colour_covariance[a + b - 1];  // R.G, R.B, G.B
+  if (!plane) {
+    std::fill_n(out, count, 0.0F);
+    return;
   }
+  plane.read_row(y, x, count, out);
+  for (int i = 0; i < count; ++i) out[i] = bounded_covariance(out[i], va[i], vb[i]);
 }
 
 void Source::scale_responses(int y, int x, int count, float* values) const {
@@ -183,7 +182,15 @@ void Source::scale_responses(int y, int x, int count, float* values) const {
 }
 
 void Source::colour_covariance_row(std::size_t a, std::size_t b, int y, int x, int count, float* out) const {
-  input_covariance_row(a, b, y, x, count, out);
+  float va[kChunk];
+  float vb[kChunk];
+  for (int start = 0; start < count; start += kChunk) {
+    const int part = std::min(kChunk, count - start);
+    input_variance_row(a, y, x + start, part, a == b ? out + start : va);
+    if (a == b) continue;
+    input_variance_row(b, y, x + start, part, vb);
+    input_covariance_row(a, b, y, x + start, part, va, vb, out + start);
+  }
   scale_responses(y, x, count, out);
 }
 
@@ -197,7 +204,7 @@ void Source::feature_covariance_row(std::size_t channel, std::size_t feature, st
   float vb[kChunk];
   for (int start = 0; start < count; start += kChunk) {
     const int part = std::min(kChunk, count - start);
-    input_row(channel, y, x + start, part, vb, va);
+    input_variance_row(channel, y, x + start, part, va);
     source.variance[k].read_row(y, x + start, part, vb);
     plane.read_row(y, x + start, part, out + start);
     for (int i = 0; i < part; ++i)
@@ -228,6 +235,7 @@ void Source::feature_direction_row(std::size_t feature, std::size_t k, float fac
 
 // Moves the channels of a feature, in units of `factor` times normalised ones, along the perturbation's direction.
 void Source::add_steps(std::size_t feature, float factor, int y, int x, int count, float* const* means) const {
+  if (frame_.features[feature].colour_covariance.empty()) return;  // does not move
   for_each_direction(y, x, count, [&](const Directions& directions, int start, int part) {
     float b[kChunk];
     for (std::size_t k = 0; k < frame_.features[feature].mean.size(); ++k) {

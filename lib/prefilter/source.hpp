@@ -85,7 +85,9 @@ class Source {
  private:
   class Directions;
 
-  void input_covariance_row(std::size_t a, std::size_t b, int y, int x, int count, float* out) const;
+  void input_variance_row(std::size_t channel, int y, int x, int count, float* out) const;
+  void input_covariance_row(std::size_t a, std::size_t b, int y, int x, int count, const float* va, const float* vb,
+                            float* out) const;
   /// From a change of the frame's colour to one of what the filters see.
   void scale_responses(int y, int x, int count, float* values) const;
   void group_variance_row(std::size_t feature, int y, int x, int count, float* out) const;
