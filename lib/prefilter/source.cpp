@@ -142,12 +142,10 @@ void Source::feature_covariance_row(std::size_t channel, std::size_t feature, st
 
 void Source::input_row(std::size_t channel, int y, int x, int count, float* mean, float* variance) const {
   frame_.colour[channel].read_row(y, x, count, mean);
-  frame_.colour_variance[channel].read_row(y, x, count, variance);
   replaced_.for_each(y, x, count, [&](const ReplacedPixel& p, int i) {
-    if (p.is_source) return;
-    mean[i] = p.colour[channel];
-    variance[i] = 0.0F;
+    if (!p.is_source) mean[i] = p.colour[channel];
   });
+  input_variance_row(channel, y, x, count, variance);
 }
 
 void Source::mask_row(int y, int x, int count, float* out) const {
