@@ -36,11 +36,6 @@ class CrossBilateral final : public PreparedFilter {
 
   [[nodiscard]] int candidates() const noexcept override { return scales_; }
 
-  // Without guides to hold it back a candidate can be wrong by orders of magnitude, and has to be heard to be.
-  [[nodiscard]] float risk_limit() const noexcept override {
-    return guides_.channels() == 0 ? 10.0F : PreparedFilter::risk_limit();
-  }
-
   void run(int /*pass*/, const Rect& tile, FilterScratch& scratch, const CandidateRows& out) const override {
     exec::TilePlanes& planes = scratch.tile;
     const int colour = guides_.planes();

@@ -24,7 +24,7 @@ void set_range_sigmas(const std::vector<float>& sigmas, double channels, kernels
     rows.exponent[s] = static_cast<float>(std::numbers::log2e / (2.0 * sigma * sigma * channels));
     rows.slope[s] = static_cast<float>(1.0 / (sigma * sigma * channels));
   }
-  constexpr int kMostSquares = 4;  // one after the other: each doubles the rounding error
+  constexpr int kMostSquares = 8;  // one after the other: each doubles the rounding error
   int squares = 0;
   for (std::size_t s = sigmas.size() - 1; s-- > 0;) {
     const float twice = 2.0F * rows.exponent[s + 1];
