@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "pipeline/relative_risk.hpp"
 #include "prefilter/outliers.hpp"
 #include "select/selection.hpp"
 
@@ -120,25 +119,20 @@ double Bank::relative_error(const std::vector<int>& entry_of_pixel) const {
   return sum / (3.0 * geometry_.width * geometry_.height);
 }
 
-// The entry of least risk, or of least true error, smoothed as the library smooths its risks.
-std::vector<int> Bank::least(bool of_true_error) const {
+// The entry of least true error, smoothed as the library smooths its risks.
+std::vector<int> Bank::least_true_error() const {
   const Rect image{0, 0, geometry_.width, geometry_.height};
   const auto make = [&] { return std::make_unique<exec::RowRing>(entries(), geometry_.width, geometry_.height); };
   std::unique_ptr<exec::RowRing> maps = make();
-  std::vector<float> lines(static_cast<std::size_t>(6 * geometry_.width));
   for (int y = 0; y < geometry_.height; ++y) {
-    float* rows[kMaxEntries];
-    for (int e = 0; e < entries(); ++e) rows[e] = maps->row(e, y);
-    relative_risk_rows(*source_, runs_->candidates(), entries(), runs_->common_candidate(),
-                       {0, y, geometry_.width, y + 1}, y, lines.data(), geometry_.width, rows);
-    for (int e = 0; e < entries() && of_true_error; ++e) {
+    for (int e = 0; e < entries(); ++e) {
       for (int x = 0; x < geometry_.width; ++x) {
         double sum = 0;
         for (int c = 0; c < 3; ++c) {
           const Pixel p = pixel(e, c, x, y);
           sum += (p.F - p.truth) * (p.F - p.truth) / (p.truth * p.truth + kEpsilon) / 3.0;
         }
-        rows[e][x] = std::min(static_cast<float>(sum), runs_->risk_limit());
+        maps->row(e, y)[x] = std::min(static_cast<float>(sum), runs_->risk_limit());
       }
     }
   }
@@ -159,24 +153,33 @@ std::vector<int> Bank::least(bool of_true_error) const {
   return best;
 }
 
+// Of what the library makes with that rule.
+double Bank::relative_error(Selection selection) const {
+  DenoiseParams params = params_;
+  params.selection = selection;
+  const DenoiseResult result = denoise(loaded_.frame(), params);
+  double sum = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (int y = 0; y < geometry_.height; ++y) {
+      for (int x = 0; x < geometry_.width; ++x) {
+        const double truth = reference_.planes[c].row(y)[x];
+        const double difference = result.colour[c].row(y)[x] - truth;
+        sum += difference * difference / (truth * truth + kEpsilon);
+      }
+    }
+  }
+  return sum / (3.0 * geometry_.width * geometry_.height);
+}
+
 Choices Bank::choices() const {
   Choices choices;
   const auto pixels = static_cast<std::size_t>(geometry_.width) * static_cast<std::size_t>(geometry_.height);
   choices.best_single = relative_error(std::vector<int>(pixels, 0));
   for (int e = 1; e < entries(); ++e)
     choices.best_single = std::min(choices.best_single, relative_error(std::vector<int>(pixels, e)));
-  choices.argmin = relative_error(least(false));
-  choices.oracle = relative_error(least(true));
-  const DenoiseResult result = denoise(loaded_.frame(), params_);
-  for (std::size_t c = 0; c < 3; ++c) {
-    for (int y = 0; y < geometry_.height; ++y) {
-      for (int x = 0; x < geometry_.width; ++x) {
-        const double truth = reference_.planes[c].row(y)[x];
-        const double difference = result.colour[c].row(y)[x] - truth;
-        choices.evidence += difference * difference / (truth * truth + kEpsilon) / (3.0 * static_cast<double>(pixels));
-      }
-    }
-  }
+  choices.argmin = relative_error(Selection::kArgmin);
+  choices.evidence = relative_error(Selection::kEvidence);
+  choices.oracle = relative_error(least_true_error());
   return choices;
 }
 

@@ -28,8 +28,8 @@ struct EntryErrors {
 /// What choosing among the entries gives, as relative MSE (the reference's noise included).
 struct Choices {
   double best_single = 0;  ///< of the entries for the whole image
-  double argmin = 0;       ///< least smoothed risk, pixel by pixel
-  double evidence = 0;     ///< the library's default
+  double argmin = 0;       ///< Selection::kArgmin: least smoothed risk, pixel by pixel
+  double evidence = 0;     ///< Selection::kEvidence, the default
   double oracle = 0;       ///< least smoothed true error, pixel by pixel
 };
 
@@ -49,7 +49,8 @@ class Bank {
   };
   [[nodiscard]] Pixel pixel(int entry, int channel, int x, int y) const;
   [[nodiscard]] double relative_error(const std::vector<int>& entry_of_pixel) const;
-  [[nodiscard]] std::vector<int> least(bool of_true_error) const;
+  [[nodiscard]] double relative_error(Selection selection) const;
+  [[nodiscard]] std::vector<int> least_true_error() const;
 
   exr::LoadedFrame loaded_;
   exr::NamedPlanes reference_;

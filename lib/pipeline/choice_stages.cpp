@@ -43,7 +43,7 @@ ChoiceStages::ChoiceStages(const Source& source, Selection selection, FilterRuns
       baseline_(prior != nullptr ? prior->best : 0) {
   for (std::size_t e = 0; prior != nullptr && e < prior->mean_risk.size(); ++e)
     prior_.push_back(prior->mean_risk[e] - prior->mean_risk[static_cast<std::size_t>(baseline_)]);
-  constexpr std::size_t lines = kRelativeRiskLines + kMaxEntries;
+  constexpr std::size_t lines = std::max(kRelativeRiskLines + kMaxEntries, 2 * kMaxEntries);
   lines_.assign(static_cast<std::size_t>(slots),
                 std::vector<float>(lines * static_cast<std::size_t>(geometry.tile_width)));
   plan();
@@ -174,18 +174,22 @@ void ChoiceStages::weigh(const Rect& tile, int y, float* const* maps, float* lin
   const int others = entries_ - 1;
   const float* inverse_count = evidence_.row(evidence_.inverse_count, y) + tile.x0;
   float* variances[kMaxEntries];
+  float* rivals[kMaxEntries];
   int m = 0;
   for (int e = 0; e < entries_; ++e) {
+    const float prior = prior_[static_cast<std::size_t>(e)];
     variances[e] = lines + std::ptrdiff_t{e} * geometry_.tile_width;
+    rivals[e] = variances[e] + std::ptrdiff_t{kMaxEntries} * geometry_.tile_width;
     if (e == baseline_) {
       std::fill_n(variances[e], n, 0.0F);
-      continue;
+    } else {
+      const float* square = evidence_.row(others + m++, y) + tile.x0;
+      standard_error_row(maps[e], square, inverse_count, n, variances[e]);
+      shrink_row(maps[e], variances[e], prior, n, maps[e]);
     }
-    const float* square = evidence_.row(others + m++, y) + tile.x0;
-    standard_error_row(maps[e], square, inverse_count, n, variances[e]);
-    shrink_row(maps[e], variances[e], prior_[static_cast<std::size_t>(e)], n, maps[e]);
+    handicap_row(maps[e], variances[e], prior, n, rivals[e]);
   }
-  optimism_row(maps, variances, entries_, n, choices_.row(entries_, y) + tile.x0);
+  optimism_row(rivals, variances, entries_, n, choices_.row(entries_, y) + tile.x0);
 }
 
 void ChoiceStages::mix(const Rect& tile, int /*slot*/) {

@@ -12,7 +12,7 @@ namespace {
 
 // A pixel is not brighter than its mean by more than this many standard deviations, whatever a filter makes of it.
 // Beside a lamp a wide candidate without guides is, by orders of magnitude, and its error would count next to nothing.
-constexpr float kDeviationsOfDoubt = 10.0F;
+constexpr float kDeviationsOfDoubt = 20.0F;
 
 float squared_brightness(float scale, float mean, float variance) {
   return std::min(scale * scale, mean * mean + kDeviationsOfDoubt * kDeviationsOfDoubt * variance);

@@ -49,6 +49,13 @@ void shrink_row(const float* mean, const float* variance, float prior, int count
   }
 }
 
+void handicap_row(const float* score, const float* variance, float prior, int count, float* out) {
+  for (int i = 0; i < count; ++i) {
+    const float v = variance[i];
+    out[i] = score[i] + (v > 0.0F ? 2.0F * v / (prior + std::sqrt(prior * prior + 4.0F * v)) : 0.0F);
+  }
+}
+
 void optimism_row(const float* const* risks, const float* const* variances, int entries, int count, float* out) {
   for (int x = 0; x < count; ++x) {
     Least least = {risks[0][x], variances[0][x], risks[0][x]};

@@ -15,6 +15,11 @@ void standard_error_row(const float* mean, const float* square, const float* inv
 /// with lambda = max(0, 1 - s^2 / (mean - prior)^2), the positive-part James-Stein rule; `variance` is s^2.
 void shrink_row(const float* mean, const float* variance, float prior, int count, float* out);
 
+/// What an estimate with a prior >= 0 has against it when shrink_row() lets it compete with 0: that of mean m comes out
+/// below 0 where m < -h, h = 2 s^2 / (p + sqrt(p^2 + 4 s^2)) with the prior p and the variance s^2. out = score + h: by
+/// these the entries compete on equal terms.
+void handicap_row(const float* score, const float* variance, float prior, int count, float* out);
+
 /// How much too low the least of `entries` estimates is on average, since it may have come out least for its noise:
 /// -E[noise of the least of r_k + noise_k], with independent normal noise of the `variances`. Of two, whose difference
 /// has the standard deviation s, that is s phi(difference / s), phi the standard normal density; with more, Clark's
