@@ -101,7 +101,6 @@ struct Run {
   exec::Runner& runner;
   StageClock& clock;
   std::vector<FilterPlan> plans;
-  const FirstPass* first;  // null unless the last external candidate is a second pass
   DenoiseResult& result;
 
   void execute(const std::vector<exec::RowStage>& stages, double share) {
@@ -248,7 +247,6 @@ void filter_together(Run& run, bool knows_covariances) {
   stages.insert(stages.end(), errors.list().begin(), errors.list().end());
   run.execute(stages, kMainShare * kBlendShare / 2);
   const MixtureWeights weights = blend->mean_weights();
-  if (run.first != nullptr) errors.doubt_gain_over(*run.first, weights[pictures.size()]);
   errors.calibrate(run.runner);
   for (std::size_t f = 0; f < pictures.size(); ++f) run.result.report.filters[f].weight = weights[f + 1];
 }
@@ -292,10 +290,7 @@ DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {
   check(params);
   check(frame);
   require_layers(frame, params);
-  return params.second_pass ? denoise_twice(frame, params) : denoise_once(frame, params, nullptr);
-}
-
-DenoiseResult denoise_once(const Frame& frame, const DenoiseParams& params, const FirstPass* first) {
+  if (params.second_pass) return denoise_twice(frame, params);
   DenoiseResult result;
   DenoiseReport& report = result.report;
   std::vector<FilterPlan> plans;
@@ -324,7 +319,7 @@ DenoiseResult denoise_once(const Frame& frame, const DenoiseParams& params, cons
   const LayerSource layers(frame, report.frame, source);
   const OutlierEnergy energy(source, layers, params.outliers.spread);
   Run run{params, source, given, layers, energy, geometry_of(frame, params.execution, runner.slots()),
-          runner, clock,  plans, first,  result};
+          runner, clock,  plans, result};
   if (plans.size() == 1 && params.candidates.empty()) {
     filter_alone(run, knows_covariances);
   } else {

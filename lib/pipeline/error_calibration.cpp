@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/mean_error.hpp"
+
 namespace stein {
 namespace {
 
@@ -11,19 +13,26 @@ constexpr float kBinsPerOctave = 2.0F;
 constexpr float kLeast = 0x1p-32F;          // centre of the first bin, and all that is less
 constexpr double kUnitsPerRisk = 0x1p24;    // sums of 1e9 pixels of relative risk 1 fit, and 6e-8 is not lost
 constexpr float kMostRisk = 1e4F;           // one pixel's
+constexpr double kUnitsPerSquare = 0x1p8;   // squares are mostly above 1, as many pixels are averaged
+constexpr float kMostRatio = 0x1p12F;       // whose square is summed: 1e9 of them fit
+constexpr double kTogether = 2.0;           // times the sum of squares: neighbours err together
 constexpr std::int64_t kFewestPixels = 64;  // of what stands for itself
+
+std::int64_t units(float risk) noexcept {
+  return static_cast<std::int64_t>(static_cast<double>(std::clamp(risk, -kMostRisk, kMostRisk)) * kUnitsPerRisk);
+}
 
 // Bins that are pooled.
 struct Pool {
-  double risk = 0;
+  double error = 0;
   double pixels = 0;
   std::size_t bins = 0;
   void add(const Pool& other) {
-    risk += other.risk;
+    error += other.error;
     pixels += other.pixels;
     bins += other.bins;
   }
-  [[nodiscard]] double mean() const { return risk / pixels; }
+  [[nodiscard]] double mean() const { return error / pixels; }
 };
 
 }  // namespace
@@ -34,28 +43,58 @@ float ErrorCalibration::position(float predictor) noexcept {
   return std::min(kBinsPerOctave * octaves, static_cast<float>(kBins - 1));
 }
 
-void ErrorCalibration::add(int slot, const float* predictor, const float* risk, const float* mask, int count) noexcept {
+float ErrorCalibration::centre(std::size_t bin) noexcept {
+  return kLeast * std::exp2(static_cast<float>(bin) / kBinsPerOctave);
+}
+
+void ErrorCalibration::add(int slot, const float* predictor, const float* risk, const float* likely, const float* mask,
+                           int count) noexcept {
   Table& table = tables_[static_cast<std::size_t>(slot)];
   for (int i = 0; i < count; ++i) {
     if (mask[i] == 0.0F) continue;
     const auto bin = static_cast<std::size_t>(position(predictor[i]) + 0.5F);
-    const double units = static_cast<double>(std::clamp(risk[i], -kMostRisk, kMostRisk)) * kUnitsPerRisk;
-    table.risk[bin] += static_cast<std::int64_t>(units);
+    const float ratio = std::min(std::abs(risk[i] - likely[i]) / centre(bin), kMostRatio);
+    table.squares[bin] += static_cast<std::int64_t>(static_cast<double>(ratio) * ratio * kUnitsPerSquare);
+    table.risk[bin] += units(risk[i]);
+    table.likely[bin] += units(likely[i]);
     ++table.pixels[bin];
   }
 }
 
-void ErrorCalibration::fit() {
+// Sums over the pixels of each bin.
+std::array<double, ErrorCalibration::kBins> ErrorCalibration::errors_of(const Table& sums, double evidence) {
+  std::array<double, kBins> errors{};
+  double told = 0;
+  double wanted = 0;
+  for (std::size_t bin = 0; bin < kBins; ++bin) {
+    const double risk = static_cast<double>(sums.risk[bin]) / kUnitsPerRisk;
+    const double likely = static_cast<double>(sums.likely[bin]) / kUnitsPerRisk;
+    const double squares = static_cast<double>(sums.squares[bin]) / kUnitsPerSquare * std::pow(centre(bin), 2);
+    const double difference = risk - likely;
+    errors[bin] = likely + evidence_of(risk, likely, kTogether * squares) * difference;
+    told += errors[bin];
+    wanted += likely + evidence * difference;
+  }
+  if (told > 0) {
+    for (double& error : errors) error *= std::max(wanted, 0.0) / told;
+  }
+  return errors;
+}
+
+void ErrorCalibration::fit(double evidence) {
   Table all;
   for (const Table& table : tables_) {
     for (std::size_t bin = 0; bin < kBins; ++bin) {
       all.risk[bin] += table.risk[bin];
+      all.likely[bin] += table.likely[bin];
+      all.squares[bin] += table.squares[bin];
       all.pixels[bin] += table.pixels[bin];
     }
   }
+  const std::array<double, kBins> errors = errors_of(all, evidence);
   std::vector<Pool> pools;
   for (std::size_t bin = 0; bin < kBins; ++bin) {
-    Pool last = {static_cast<double>(all.risk[bin]) / kUnitsPerRisk, static_cast<double>(all.pixels[bin]), 1};
+    Pool last = {errors[bin], static_cast<double>(all.pixels[bin]), 1};
     // Pool adjacent violators.
     while (!pools.empty() &&
            (last.pixels < kFewestPixels || pools.back().pixels < kFewestPixels || pools.back().mean() >= last.mean())) {

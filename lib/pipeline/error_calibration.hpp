@@ -3,7 +3,8 @@
 // What error pixels have on average, by something known of each that carries less noise than its own risk.
 //
 // The risk of a single pixel is unbiased but mostly noise: many times its mean, of either sign, and so is a mean over
-// few pixels. The mean over all pixels of the image that have like predictors is nearly exact.
+// few pixels. The mean over all pixels of the image that have like predictors is far better, and is believed as far as
+// its noise allows (mean_error.hpp).
 #pragma once
 
 #include <array>
@@ -17,13 +18,15 @@ class ErrorCalibration {
   /// `slots`: threads that may add at the same time.
   explicit ErrorCalibration(int slots) : tables_(static_cast<std::size_t>(slots)) {}
 
-  /// Pixels of a row: their predictors (any numbers >= 0) and relative risks, where `mask` is not 0. Sums are kept as
-  /// integers, so that the order of the calls does not matter.
-  void add(int slot, const float* predictor, const float* risk, const float* mask, int count) noexcept;
+  /// Pixels of a row: their predictors (any numbers >= 0), relative risks and likely relative errors, where `mask` is
+  /// not 0. Sums are kept as integers, so that the order of the calls does not matter.
+  void add(int slot, const float* predictor, const float* risk, const float* likely, const float* mask,
+           int count) noexcept;
 
-  /// Fits: the mean risks of bins of the predictor, made ascending and >= 0 by pooling neighbours (isotonic
-  /// regression), so that their mean stays what it is as far as that is >= 0.
-  void fit();
+  /// Fits: the mean errors of bins of the predictor, scaled so that their mean over all pixels lies between those of
+  /// likely (`evidence` 0) and risk (1), see MeanError. They are made ascending and >= 0 by pooling neighbours
+  /// (isotonic regression), which leaves their mean as it is as far as that is >= 0.
+  void fit(double evidence);
 
   /// The error for a predictor, after fit(): between the centres of bins, linear in the predictor's logarithm.
   [[nodiscard]] float error(float predictor) const noexcept;
@@ -32,9 +35,13 @@ class ErrorCalibration {
   static constexpr int kBins = 96;
   struct Table {
     std::array<std::int64_t, kBins> risk{};  // in units of 1 / kUnitsPerRisk
+    std::array<std::int64_t, kBins> likely{};
+    std::array<std::int64_t, kBins> squares{};  // of their difference over the bin's predictor, see kUnitsPerSquare
     std::array<std::int64_t, kBins> pixels{};
   };
   static float position(float predictor) noexcept;
+  static float centre(std::size_t bin) noexcept;
+  [[nodiscard]] static std::array<double, kBins> errors_of(const Table& sums, double evidence);
 
   std::vector<Table> tables_;          // per slot
   std::array<float, kBins> errors_{};  // of the centres of bins

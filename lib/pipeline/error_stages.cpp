@@ -7,6 +7,7 @@
 
 #include "pipeline/density_rows.hpp"
 #include "pipeline/layers.hpp"
+#include "pipeline/mean_error.hpp"
 #include "pipeline/relative_risk.hpp"
 #include "risk/sure.hpp"
 
@@ -16,8 +17,10 @@ namespace {
 const std::vector<int> kErrorSteps = {1, 2, 4};
 constexpr float kSmoothingSigmaScale = 2.0F;  // of the features: each pass weighs edges anew
 constexpr int kNoiseMap = 3;                  // after the predictors of the channels
+constexpr int kLikelyErrors = 3;              // after the relative risks
 constexpr std::size_t kLines = 4;
-constexpr std::size_t kBlocksToTrim = 65536;  // a MiB
+constexpr int kArea = 32;  // px: the units of the means' standard errors, wide enough for neighbours that err together
+constexpr int kBlocksOfArea = kArea / kSumBlock;
 
 }  // namespace
 
@@ -43,7 +46,8 @@ ErrorStages::ErrorStages(const Source& source, const LayerSource& layers, const 
   for (int c = 0; c < 3; ++c) sums_.emplace_back(blocks * static_cast<std::size_t>(geometry.height), source.memory());
   lines_.assign(static_cast<std::size_t>(slots),
                 std::vector<float>(kLines * static_cast<std::size_t>(geometry.tile_width)));
-  risks_ = add_ring(3, exec::ring_capacity(geometry, error_halos()));  // until the predictors are smooth
+  // Until the predictors are smooth.
+  risks_ = add_ring(kLikelyErrors + 3, exec::ring_capacity(geometry, error_halos()));
   predictors_ = add_ring(params_.density.rule == DensityRule::kAllSamples ? kNoiseMap + 1 : kNoiseMap,
                          exec::window_between(geometry, error_halos()));
   list_.push_back({"error", 0, 0.1, [this](const Rect& tile, int slot) { assess(tile, slot); }});
@@ -77,13 +81,15 @@ void ErrorStages::assess(const Rect& tile, int slot) {
   }
 }
 
-// The mixture of the filtered picture, with what outliers lost, and the input that `strength` says, and its risk.
+// The mixture of the filtered picture, with what outliers lost, and the input that `strength` t says; its risk; and its
+// error if that of the filtered picture is D: t^2 D + 2 t (1 - t) D + (1 - t)^2 v.
 void ErrorStages::assess_row(const Rect& tile, int y, float* lines) {
   const int n = tile.width();
   const auto line = [&](int i) { return lines + i * geometry_.tile_width; };
   float* mean = line(0);
   float* variance = line(1);
   float* D = line(2);
+  float* likely = line(3);
   const float strength = params_.strength;
   for (int c = 0; c < 3; ++c) {
     const auto channel = static_cast<std::size_t>(c);
@@ -96,16 +102,20 @@ void ErrorStages::assess_row(const Rect& tile, int y, float* lines) {
       F[i] = strength * filtered[i] + (1.0F - strength) * mean[i];
       const float own = divergence[i] + 0.5F * optimism[i] * (filtered[i] * filtered[i] + kRelativeEpsilon);
       D[i] = strength * own + (1.0F - strength) * variance[i];
+      likely[i] = strength * (1.0F - strength) * (own - variance[i]);
     }
     energy_.add_colour(c, y, tile.x0, n, strength, F);
     energy_.add_divergence(c, y, tile.x0, n, strength, D);
+    for (int i = 0; i < n; ++i) likely[i] += D[i];
     float* risk = risks_.row(c, y) + tile.x0;
     sure_row(F, D, mean, variance, n, risk);
-    add_to_means(tile, c, y, F, risk);
+    add_to_means(tile, c, y, F, likely, risk);
+    float* relative_likely = risks_.row(kLikelyErrors + c, y) + tile.x0;
     float* predictor = predictors_.row(c, y) + tile.x0;
     for (int i = 0; i < n; ++i) {
       const float weight = 1.0F / (F[i] * F[i] + kRelativeEpsilon);
       risk[i] *= weight;
+      relative_likely[i] = likely[i] * weight;
       predictor[i] = std::max(D[i], 0.0F) * weight;
     }
     if (predictors_.count > kNoiseMap) {
@@ -116,13 +126,17 @@ void ErrorStages::assess_row(const Rect& tile, int y, float* lines) {
   }
 }
 
-void ErrorStages::add_to_means(const Rect& tile, int channel, int y, const float* F, const float* risk) {
+void ErrorStages::add_to_means(const Rect& tile, int channel, int y, const float* F, const float* likely,
+                               const float* risk) {
   const auto blocks = static_cast<std::size_t>((geometry_.width + kSumBlock - 1) / kSumBlock);
   Sums* sums = sums_[static_cast<std::size_t>(channel)].data() + static_cast<std::size_t>(y) * blocks;
   for (int i = 0; i < tile.width(); ++i) {
     Sums& block = sums[(tile.x0 + i) / kSumBlock];
-    block.error += risk[i];
-    block.relative_error += risk[i] / (static_cast<double>(F[i]) * F[i] + kRelativeEpsilon);
+    const double weight = 1.0 / (static_cast<double>(F[i]) * F[i] + kRelativeEpsilon);
+    block.risk += risk[i];
+    block.likely += likely[i];
+    block.relative_risk += risk[i] * weight;
+    block.relative_likely += likely[i] * weight;
   }
 }
 
@@ -135,7 +149,8 @@ void ErrorStages::collect(const Rect& tile, int slot) {
     for (int c = 0; c < 3; ++c) {
       const auto channel = static_cast<std::size_t>(c);
       const float* predictor = smooth_predictors_.row(c, y) + tile.x0;
-      calibrations_[channel].add(slot, predictor, risks_.row(c, y) + tile.x0, mask, n);
+      calibrations_[channel].add(slot, predictor, risks_.row(c, y) + tile.x0,
+                                 risks_.row(kLikelyErrors + c, y) + tile.x0, mask, n);
       std::copy_n(predictor, n, result_.error[channel].row(y) + tile.x0);
     }
     if (params_.density.rule == DensityRule::kAllSamples) {
@@ -146,18 +161,14 @@ void ErrorStages::collect(const Rect& tile, int slot) {
 }
 
 void ErrorStages::calibrate(exec::Runner& runner) {
-  for (ErrorCalibration& calibration : calibrations_) calibration.fit();
-  report_means();
-  const float doubt = add_doubt();
-  runner.for_each(geometry_.height, 0.0, [this, doubt](int y, int slot) {
+  const double evidence = report_means();
+  for (ErrorCalibration& calibration : calibrations_) calibration.fit(evidence);
+  runner.for_each(geometry_.height, 0.0, [this](int y, int slot) {
     for (std::size_t c = 0; c < 3; ++c) {
       const float* F = result_.colour[c].row(y);
       float* error = result_.error[c].row(y);
       for (int x = 0; x < geometry_.width; ++x)
         error[x] = calibrations_[c].error(error[x]) * (F[x] * F[x] + kRelativeEpsilon);
-      if (doubt == 0.0F) continue;
-      const float* first = first_->error[c].row(y);
-      for (int x = 0; x < geometry_.width; ++x) error[x] += doubt * first[x];
     }
     if (params_.density.rule == DensityRule::kAllSamples) return;
     for (int x = 0; x < geometry_.width; x += geometry_.tile_width) {
@@ -168,30 +179,43 @@ void ErrorStages::calibrate(exec::Runner& runner) {
   });
 }
 
-// Adds to the means; returns how many times the first pass's error comes to a pixel's own.
-float ErrorStages::add_doubt() {
-  if (first_ == nullptr || first_->mean_relative_error <= 0) return 0;
-  DenoiseReport& report = result_.report;
-  const double gain = std::max(first_->mean_relative_error - report.mean_relative_error, 0.0);
-  const double doubt = params_.strength * second_weight_ * gain / first_->mean_relative_error;
-  for (std::size_t c = 0; c < 3; ++c) report.mean_error[c] += doubt * first_->mean_error[c];
-  report.mean_relative_error += doubt * first_->mean_relative_error;
-  return static_cast<float>(doubt);
+ErrorStages::Sums ErrorStages::area_sums(std::size_t channel, int column, int row) const {
+  const int blocks = (geometry_.width + kSumBlock - 1) / kSumBlock;
+  Sums area;
+  for (int y = row * kArea; y < std::min((row + 1) * kArea, geometry_.height); ++y) {
+    for (int b = column * kBlocksOfArea; b < std::min((column + 1) * kBlocksOfArea, blocks); ++b) {
+      const Sums& block =
+          sums_[channel][static_cast<std::size_t>(y) * static_cast<std::size_t>(blocks) + static_cast<std::size_t>(b)];
+      area.risk += block.risk;
+      area.likely += block.likely;
+      area.relative_risk += block.relative_risk;
+      area.relative_likely += block.relative_likely;
+    }
+  }
+  return area;
 }
 
-void ErrorStages::report_means() {
-  const double pixels = static_cast<double>(geometry_.width) * geometry_.height;
-  double relative = 0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    double error = 0;
-    for (std::size_t i = 0; i < sums_[c].size(); ++i) {
-      if (i % kBlocksToTrim == 0 && source_.memory() != nullptr) source_.memory()->trim();
-      error += sums_[c][i].error;
-      relative += sums_[c][i].relative_error;
+// Returns how far the relative error goes from what is likely to its risk.
+double ErrorStages::report_means() {
+  std::array<MeanError, 3> errors;
+  MeanError relative_error;
+  for (int row = 0; row * kArea < geometry_.height; ++row) {
+    if (source_.memory() != nullptr) source_.memory()->trim();
+    for (int column = 0; column * kArea < geometry_.width; ++column) {
+      Sums all;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const Sums area = area_sums(c, column, row);
+        errors[c].add(area.risk, area.likely);
+        all.relative_risk += area.relative_risk;
+        all.relative_likely += area.relative_likely;
+      }
+      relative_error.add(all.relative_risk, all.relative_likely);
     }
-    result_.report.mean_error[c] = error / pixels;
   }
-  result_.report.mean_relative_error = relative / (3.0 * pixels);
+  const double pixels = static_cast<double>(geometry_.width) * geometry_.height;
+  for (std::size_t c = 0; c < 3; ++c) result_.report.mean_error[c] = errors[c].mean(pixels);
+  result_.report.mean_relative_error = relative_error.mean(3.0 * pixels);
+  return relative_error.evidence();
 }
 
 }  // namespace stein

@@ -24,13 +24,6 @@ namespace stein {
 /// The halos of the stages.
 [[nodiscard]] std::vector<int> error_halos();
 
-/// What is told of the result that a second pass starts from.
-struct FirstPass {
-  std::array<Plane, 3> error;
-  std::array<double, 3> mean_error{};
-  double mean_relative_error = 0;
-};
-
 class ErrorStages {
  public:
   /// Everything referred to must outlive this. When a stage runs, earlier ones have filled the rows of `filtered` and
@@ -42,26 +35,25 @@ class ErrorStages {
   /// In the order in which they run. The stages refer to this object.
   [[nodiscard]] const std::vector<exec::RowStage>& list() const noexcept { return list_; }
 
-  /// Before calibrate(), where the picture is to `weight` a second pass's. Its estimate, from perturbed runs, is too
-  /// low: they see the noise that the first pass left, and less of what both passes lost for good. So what the image is
-  /// told to have gained over the first pass counts but for that weight. `first` must outlive this.
-  void doubt_gain_over(const FirstPass& first, double weight) noexcept {
-    first_ = &first;
-    second_weight_ = weight;
-  }
-
   /// After the stages: the error of each pixel, the density that depends on it, and the means in the report.
   void calibrate(exec::Runner& runner);
 
  private:
+  struct Sums {
+    double risk = 0;
+    double likely = 0;
+    double relative_risk = 0;
+    double relative_likely = 0;
+  };
+
   [[nodiscard]] MapRows add_ring(int planes, int rows);
   void add_passes();
   void assess(const Rect& tile, int slot);
   void assess_row(const Rect& tile, int y, float* lines);
-  void add_to_means(const Rect& tile, int channel, int y, const float* F, const float* risk);
+  void add_to_means(const Rect& tile, int channel, int y, const float* F, const float* likely, const float* risk);
   void collect(const Rect& tile, int slot);
-  void report_means();
-  [[nodiscard]] float add_doubt();
+  [[nodiscard]] double report_means();
+  [[nodiscard]] Sums area_sums(std::size_t channel, int column, int row) const;
   [[nodiscard]] float* lines_of(int slot) { return lines_[static_cast<std::size_t>(slot)].data(); }
 
   const Source& source_;
@@ -73,16 +65,10 @@ class ErrorStages {
   exec::RowPipelineGeometry geometry_;
   DenoiseResult& result_;
   std::vector<std::unique_ptr<exec::RowRing>> rings_;
-  MapRows risks_;              // relative, per channel
+  MapRows risks_;              // relative, per channel; and the likely relative errors
   MapRows predictors_;         // of the error, per channel; and the noise where the density wants it
   MapRows smooth_predictors_;  // the same, smoothed
   std::array<ErrorCalibration, 3> calibrations_;
-  const FirstPass* first_ = nullptr;
-  double second_weight_ = 0;
-  struct Sums {
-    double error = 0;
-    double relative_error = 0;
-  };
   std::vector<LargeArray<Sums>> sums_;     // per channel: over blocks of 16 pixels of a row
   std::vector<std::vector<float>> lines_;  // per slot: rows as wide as a tile
   std::vector<exec::RowStage> list_;

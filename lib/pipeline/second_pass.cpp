@@ -6,7 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "pipeline/error_stages.hpp"
 #include "stein/candidate.hpp"
 
 namespace stein {
@@ -57,11 +56,11 @@ class Passes {
     return execution;
   }
 
-  DenoiseResult mixture(const Frame& frame, const FirstPass& first, ExternalCandidate candidate) {
+  DenoiseResult mixture(const Frame& frame, ExternalCandidate candidate) {
     DenoiseParams last = part(1.0 - begun_);
     last.candidates = params_.candidates;
     last.candidates.push_back(std::move(candidate));
-    return denoise_once(frame, last, &first);
+    return denoise(frame, last);
   }
 
  private:
@@ -93,10 +92,7 @@ std::array<ConstPlaneView, 3> image_of(const DenoiseResult& result) {
 DenoiseResult denoise_twice(const Frame& frame, const DenoiseParams& params) {
   const auto start = std::chrono::steady_clock::now();
   Passes passes(params);
-  DenoiseResult once = passes.first_of(frame);
-  const DenoiseResult picture = passes.second_of(frame, once);
-  const FirstPass first{std::move(once.error), once.report.mean_error, once.report.mean_relative_error};
-  once = {};
+  const DenoiseResult picture = passes.second_of(frame, passes.first_of(frame));
   const Perturbation perturbation{params.monte_carlo.seed, 0, kExternalStep};
   const PerturbedFrame moved(frame, perturbation, passes.between());
   Frame without_layers = moved.frame();
@@ -108,7 +104,7 @@ DenoiseResult denoise_twice(const Frame& frame, const DenoiseParams& params) {
     for (const Plane& plane : layer.mean) images.layers.push_back(plane.view());
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  DenoiseResult result = passes.mixture(frame, first, {kSecondPass, std::move(images)});
+  DenoiseResult result = passes.mixture(frame, {kSecondPass, std::move(images)});
   result.report.stages.insert(result.report.stages.begin(), {kSecondPass, seconds});
   return result;
 }

@@ -15,15 +15,17 @@ namespace {
 struct Pixels {
   std::vector<float> predictors;
   std::vector<float> risks;
-  void add(float predictor, float risk) {
+  std::vector<float> likely;
+  void add(float predictor, float risk, float error = 0.0F) {
     predictors.push_back(predictor);
     risks.push_back(risk);
+    likely.push_back(error);
   }
-  [[nodiscard]] ErrorCalibration fitted() const {
+  [[nodiscard]] ErrorCalibration fitted(double evidence = 1.0) const {
     ErrorCalibration calibration(1);
     const std::vector<float> mask(risks.size(), 1.0F);
-    calibration.add(0, predictors.data(), risks.data(), mask.data(), static_cast<int>(risks.size()));
-    calibration.fit();
+    calibration.add(0, predictors.data(), risks.data(), likely.data(), mask.data(), static_cast<int>(risks.size()));
+    calibration.fit(evidence);
     return calibration;
   }
 };
@@ -38,7 +40,7 @@ TEST_CASE("error calibration: finds how the error depends on the predictor under
   Pixels pixels;
   for (int i = 0; i < 1000000; ++i) {
     const float predictor = std::pow(10.0F, exponent(engine));
-    pixels.add(predictor, truth(predictor) * (1.0F + 100.0F * normal(engine)));
+    pixels.add(predictor, truth(predictor) * (1.0F + 100.0F * normal(engine)), 1.1F * truth(predictor));
   }
   const ErrorCalibration calibration = pixels.fitted();
   double mean = 0;
@@ -56,7 +58,7 @@ TEST_CASE("error calibration: ascends, and is not below 0") {
   Pixels pixels;
   const float risks[] = {-3.0F, 1.0F, 2.5F, 2.0F, 1.5F, 6.0F};
   for (int step = 0; step < 6; ++step) {
-    for (int i = 0; i < 100; ++i) pixels.add(std::exp2(static_cast<float>(step)), risks[step]);
+    for (int i = 0; i < 100; ++i) pixels.add(std::exp2(static_cast<float>(step)), risks[step], risks[step]);
   }
   const ErrorCalibration calibration = pixels.fitted();
   const auto at = [&](int step) { return calibration.error(std::exp2(static_cast<float>(step))); };
@@ -66,6 +68,28 @@ TEST_CASE("error calibration: ascends, and is not below 0") {
   CHECK(at(5) == Approx(6.0));
   CHECK(calibration.error(0.0F) == Approx(0.8));
   CHECK(calibration.error(1e30F) == Approx(6.0));
+}
+
+TEST_CASE("error calibration: in the mean it lies between the likely error and the risk as the evidence says") {
+  Pixels pixels;
+  for (int i = 0; i < 3000; ++i) pixels.add(0.01F, i % 2 == 0 ? -4.0F : 8.0F, i % 2 == 0 ? -1.0F : 2.0F);
+  for (int i = 0; i < 1000; ++i) pixels.add(1.0F, 7.0F, 3.0F);
+  for (const double evidence : {0.0, 0.25, 1.0}) {
+    const ErrorCalibration calibration = pixels.fitted(evidence);
+    CHECK(0.75 * calibration.error(0.01F) + 0.25 * calibration.error(1.0F) ==
+          Approx(0.75 * (0.5 + evidence * 1.5) + 0.25 * (3.0 + evidence * 4.0)));
+  }
+}
+
+TEST_CASE("error calibration: a few large risks do not speak for a bin, many small ones do") {
+  Pixels pixels;
+  for (int i = 0; i < 1000; ++i) pixels.add(0.01F, i == 500 ? 100.0F : 0.01F, 0.01F);  // their mean is 11 times D
+  for (int i = 0; i < 1000; ++i) pixels.add(1.0F, i % 2 == 0 ? 3.0F : 5.0F, 1.0F);
+  const ErrorCalibration calibration = pixels.fitted(1.0);
+  const double few = calibration.error(0.01F);
+  const double many = calibration.error(1.0F);
+  CHECK(few + many == Approx(4.11).epsilon(0.01));
+  CHECK(many / few == Approx(400.0).epsilon(0.05));
 }
 
 TEST_CASE("error calibration: few pixels do not stand for themselves") {
@@ -86,16 +110,18 @@ TEST_CASE("error calibration: the order of pixels and the slots make no differen
   std::mt19937 engine(4);  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same draws each time
   std::normal_distribution<float> normal;
   Pixels pixels;
-  for (int i = 0; i < 4096; ++i) pixels.add(std::exp(3.0F * normal(engine)), 1.0F + 5.0F * normal(engine));
-  const ErrorCalibration one = pixels.fitted();
+  for (int i = 0; i < 4096; ++i)
+    pixels.add(std::exp(3.0F * normal(engine)), 1.0F + 5.0F * normal(engine), normal(engine));
+  const ErrorCalibration one = pixels.fitted(0.5);
   ErrorCalibration parts(3);
   for (int part = 31; part >= 0; --part) {
     const std::vector<float> mask(128, 1.0F);
-    parts.add(part % 3, pixels.predictors.data() + part * 128, pixels.risks.data() + part * 128, mask.data(), 128);
+    parts.add(part % 3, pixels.predictors.data() + part * 128, pixels.risks.data() + part * 128,
+              pixels.likely.data() + part * 128, mask.data(), 128);
   }
   const std::vector<float> none(128, 0.0F);
-  parts.add(1, pixels.predictors.data(), pixels.risks.data(), none.data(), 128);
-  parts.fit();
+  parts.add(1, pixels.predictors.data(), pixels.risks.data(), pixels.likely.data(), none.data(), 128);
+  parts.fit(0.5);
   for (const float predictor : {0.01F, 0.3F, 1.0F, 8.0F}) CHECK(one.error(predictor) == parts.error(predictor));
 }
 

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The mean squared error of many pixels from their risk R, and from what it is for a good picture.
+//
+// R has the error as its expectation, but a mean of R is a noisy one: a few pixels can carry most of it. The divergence
+// term D of the mixture F is known to a few percent, and is its error where F is as good as mixing with the input can
+// make it: with x the truth, the derivative of E|F + s (y - F) - x|^2 at s = 0 is 2 (E D - E|F - x|^2), which is 0 at
+// the best share of the input and not below 0 where the best has none. So R is believed as far as its noise allows, and
+// D, or what follows from it for a result of less strength, for the rest.
+#pragma once
+
+#include <algorithm>
+
+namespace stein {
+
+/// How far a mean error goes from what a good picture has to R, 0 to 1. `risk`, `likely`: sums of both; `squares`: what
+/// the square of their difference has for its expectation where that is nothing but noise.
+[[nodiscard]] double evidence_of(double risk, double likely, double squares) noexcept;
+
+class MeanError {
+ public:
+  /// The sums over one area of the image, so wide that what neighbours have in common stays within.
+  void add(double risk, double likely) noexcept {
+    const double difference = risk - likely;
+    risk_ += risk;
+    likely_ += likely;
+    squares_ += difference * difference;
+    areas_ += 1;
+  }
+
+  [[nodiscard]] double evidence() const noexcept;
+  /// >= 0: below lies what only variances can say that are not true.
+  [[nodiscard]] double mean(double pixels) const noexcept {
+    return std::max(likely_ + evidence() * (risk_ - likely_), 0.0) / pixels;
+  }
+
+ private:
+  double risk_ = 0;
+  double likely_ = 0;
+  double squares_ = 0;  // of the differences
+  double areas_ = 0;
+};
+
+}  // namespace stein
