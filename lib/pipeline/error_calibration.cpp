@@ -43,8 +43,9 @@ float ErrorCalibration::position(float predictor) noexcept {
   return std::min(kBinsPerOctave * octaves, static_cast<float>(kBins - 1));
 }
 
-float ErrorCalibration::centre(std::size_t bin) noexcept {
-  return kLeast * std::exp2(static_cast<float>(bin) / kBinsPerOctave);
+ErrorCalibration::ErrorCalibration(int slots) : tables_(static_cast<std::size_t>(slots)) {
+  for (std::size_t bin = 0; bin < kBins; ++bin)
+    centres_[bin] = kLeast * std::exp2(static_cast<float>(bin) / kBinsPerOctave);
 }
 
 void ErrorCalibration::add(int slot, const float* predictor, const float* risk, const float* likely, const float* mask,
@@ -53,7 +54,7 @@ void ErrorCalibration::add(int slot, const float* predictor, const float* risk, 
   for (int i = 0; i < count; ++i) {
     if (mask[i] == 0.0F) continue;
     const auto bin = static_cast<std::size_t>(position(predictor[i]) + 0.5F);
-    const float ratio = std::min(std::abs(risk[i] - likely[i]) / centre(bin), kMostRatio);
+    const float ratio = std::min(std::abs(risk[i] - likely[i]) / centres_[bin], kMostRatio);
     table.squares[bin] += static_cast<std::int64_t>(static_cast<double>(ratio) * ratio * kUnitsPerSquare);
     table.risk[bin] += units(risk[i]);
     table.likely[bin] += units(likely[i]);
@@ -62,14 +63,14 @@ void ErrorCalibration::add(int slot, const float* predictor, const float* risk, 
 }
 
 // Sums over the pixels of each bin.
-std::array<double, ErrorCalibration::kBins> ErrorCalibration::errors_of(const Table& sums, double evidence) {
+std::array<double, ErrorCalibration::kBins> ErrorCalibration::errors_of(const Table& sums, double evidence) const {
   std::array<double, kBins> errors{};
   double told = 0;
   double wanted = 0;
   for (std::size_t bin = 0; bin < kBins; ++bin) {
     const double risk = static_cast<double>(sums.risk[bin]) / kUnitsPerRisk;
     const double likely = static_cast<double>(sums.likely[bin]) / kUnitsPerRisk;
-    const double squares = static_cast<double>(sums.squares[bin]) / kUnitsPerSquare * std::pow(centre(bin), 2);
+    const double squares = static_cast<double>(sums.squares[bin]) / kUnitsPerSquare * std::pow(centres_[bin], 2);
     const double difference = risk - likely;
     errors[bin] = likely + evidence_of(risk, likely, kTogether * squares) * difference;
     told += errors[bin];

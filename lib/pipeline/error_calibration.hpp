@@ -16,7 +16,7 @@ namespace stein {
 class ErrorCalibration {
  public:
   /// `slots`: threads that may add at the same time.
-  explicit ErrorCalibration(int slots) : tables_(static_cast<std::size_t>(slots)) {}
+  explicit ErrorCalibration(int slots);
 
   /// Pixels of a row: their predictors (any numbers >= 0), relative risks and likely relative errors, where `mask` is
   /// not 0. Sums are kept as integers, so that the order of the calls does not matter.
@@ -40,11 +40,11 @@ class ErrorCalibration {
     std::array<std::int64_t, kBins> pixels{};
   };
   static float position(float predictor) noexcept;
-  static float centre(std::size_t bin) noexcept;
-  [[nodiscard]] static std::array<double, kBins> errors_of(const Table& sums, double evidence);
+  [[nodiscard]] std::array<double, kBins> errors_of(const Table& sums, double evidence) const;
 
-  std::vector<Table> tables_;          // per slot
-  std::array<float, kBins> errors_{};  // of the centres of bins
+  std::vector<Table> tables_;           // per slot
+  std::array<float, kBins> centres_{};  // predictors
+  std::array<float, kBins> errors_{};   // of the centres
 };
 
 }  // namespace stein
