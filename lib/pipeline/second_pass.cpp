@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/second_pass.hpp"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <string>
@@ -15,6 +16,11 @@ namespace {
 constexpr double kFirstShare = 0.15;
 constexpr double kSecondShare = 0.12;
 
+// What the first pass left is alike among neighbours, and patches of it differ by more than its variance says: times so
+// much. With 1 cornell at 8 samples has a relMSE of .00096 in place of .00089, with 2.5 veach .00254 in place of
+// .00249; the other renders differ by 1 %.
+constexpr float kLikeNeighbours = 1.5F;
+
 class Passes {
  public:
   explicit Passes(const DenoiseParams& params) : params_(params) {}
@@ -28,7 +34,13 @@ class Passes {
   }
 
   // What the first pass left is the noise of its result. Its covariances with the features are not known.
-  DenoiseResult second_of(const Frame& frame, const DenoiseResult& first) {
+  DenoiseResult second_of(const Frame& frame, DenoiseResult first) {
+    for (Plane& error : first.error) {
+      for (int y = 0; y < frame.height; ++y) {
+        float* row = error.row(y);
+        std::transform(row, row + frame.width, row, [](float e) { return kLikeNeighbours * e; });
+      }
+    }
     Frame left = frame;
     for (std::size_t c = 0; c < 3; ++c) {
       left.colour[c] = first.colour[c].view();

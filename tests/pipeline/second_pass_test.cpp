@@ -57,7 +57,12 @@ DenoiseResult first_pass(const Frame& frame) {
   return denoise(frame, params);
 }
 
-std::array<Plane, 3> second_pass(const Frame& frame, const DenoiseResult& first) {
+std::array<Plane, 3> second_pass(const Frame& frame, DenoiseResult first) {
+  for (Plane& error : first.error) {
+    for (int y = 0; y < frame.height; ++y) {
+      for (int x = 0; x < frame.width; ++x) error.row(y)[x] *= 1.5F;
+    }
+  }
   Frame left = frame;
   for (std::size_t c = 0; c < 3; ++c) {
     left.colour[c] = first.colour[c].view();
