@@ -26,9 +26,10 @@ double evidence_of(double risk, double likely, double squares) noexcept {
 
 // The spread from area to area. One area says nothing of its noise, which may then be all there is.
 double MeanError::evidence() const noexcept {
+  if (areas_ < 2) return evidence_of(risk_, likely_, squares_);
   const double difference = risk_ - likely_;
   const double scatter = std::max(squares_ - difference * difference / areas_, 0.0) * areas_ / (areas_ - 1);
-  return evidence_of(risk_, likely_, areas_ > 1 ? scatter : squares_);
+  return evidence_of(risk_, likely_, scatter);
 }
 
 }  // namespace stein

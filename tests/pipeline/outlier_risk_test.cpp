@@ -82,7 +82,7 @@ TEST_CASE("outliers: the mean error is known where there are some") {
       bank.spatial_sigmas = {sigma};
       params.filters = {bank};
       params.outliers.spread = spread;
-      const Told all = measure(params, 13);
+      const Told all = measure(params, 8);
       INFO("sigma " << sigma << ", spread " << spread << ": told " << all.told.mean() << " +- "
                     << all.told.standard_error() << ", true " << all.error.mean() << ", outliers "
                     << all.outliers.mean());
