@@ -100,7 +100,7 @@ struct DenoiseReport {
   std::vector<std::string> candidates;  ///< entry names; index = value of the choice plane; 0 is the unfiltered input
   std::vector<double> choice_share;     ///< fraction of pixels whose largest weight is that entry's
   std::vector<FilterShare> filters;     ///< one for each filter, then for each external candidate, in their order
-  std::array<double, 3> mean_error{};   ///< mean over the image of the estimated squared error, per channel
+  std::array<double, 3> mean_error{};   ///< mean over the image of the estimated squared error, per channel, >= 0
   double mean_relative_error = 0;       ///< the same of error / (result^2 + 0.01), over all channels
   std::vector<std::string> warnings;    ///< in words, for people
   std::vector<StageSeconds> stages;

@@ -10,13 +10,14 @@ namespace stein {
 namespace {
 
 constexpr float kBinsPerOctave = 2.0F;
-constexpr float kLeast = 0x1p-32F;          // centre of the first bin, and all that is less
-constexpr double kUnitsPerRisk = 0x1p24;    // sums of 1e9 pixels of relative risk 1 fit, and 6e-8 is not lost
-constexpr float kMostRisk = 1e4F;           // one pixel's
-constexpr double kUnitsPerSquare = 0x1p8;   // squares are mostly above 1, as many pixels are averaged
-constexpr float kMostRatio = 0x1p12F;       // whose square is summed: 1e9 of them fit
-constexpr double kTogether = 2.0;           // times the sum of squares: neighbours err together
-constexpr std::int64_t kFewestPixels = 64;  // of what stands for itself
+constexpr float kLeast = 0x1p-32F;         // centre of the first bin, and all that is less
+constexpr double kUnitsPerRisk = 0x1p24;   // sums of 1e9 pixels of relative risk 1 fit, and 6e-8 is not lost
+constexpr float kMostRisk = 1e4F;          // one pixel's
+constexpr double kUnitsPerSquare = 0x1p4;  // squares are mostly above 1, as many pixels are averaged
+constexpr float kMostRatio = 0x1p28F;      // whose square is summed
+constexpr std::int64_t kMostSquares = std::int64_t{1} << 61;  // sums stay there, whatever the order of their terms
+constexpr double kTogether = 2.0;                             // times the sum of squares: neighbours err together
+constexpr std::int64_t kFewestPixels = 64;                    // of what stands for itself
 
 std::int64_t units(float risk) noexcept {
   return static_cast<std::int64_t>(static_cast<double>(std::clamp(risk, -kMostRisk, kMostRisk)) * kUnitsPerRisk);
@@ -55,7 +56,8 @@ void ErrorCalibration::add(int slot, const float* predictor, const float* risk, 
     if (mask[i] == 0.0F) continue;
     const auto bin = static_cast<std::size_t>(position(predictor[i]) + 0.5F);
     const float ratio = std::min(std::abs(risk[i] - likely[i]) / centres_[bin], kMostRatio);
-    table.squares[bin] += static_cast<std::int64_t>(static_cast<double>(ratio) * ratio * kUnitsPerSquare);
+    const auto square = static_cast<std::int64_t>(static_cast<double>(ratio) * ratio * kUnitsPerSquare);
+    table.squares[bin] = std::min(table.squares[bin] + square, kMostSquares);
     table.risk[bin] += units(risk[i]);
     table.likely[bin] += units(likely[i]);
     ++table.pixels[bin];
@@ -88,7 +90,7 @@ void ErrorCalibration::fit(double evidence) {
     for (std::size_t bin = 0; bin < kBins; ++bin) {
       all.risk[bin] += table.risk[bin];
       all.likely[bin] += table.likely[bin];
-      all.squares[bin] += table.squares[bin];
+      all.squares[bin] = std::min(all.squares[bin] + table.squares[bin], kMostSquares);
       all.pixels[bin] += table.pixels[bin];
     }
   }

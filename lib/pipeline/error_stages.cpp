@@ -18,9 +18,10 @@ const std::vector<int> kErrorSteps = {1, 2, 4};
 constexpr float kSmoothingSigmaScale = 2.0F;  // of the features: each pass weighs edges anew
 constexpr int kNoiseMap = 3;                  // after the predictors of the channels
 constexpr int kLikelyErrors = 3;              // after the relative risks
-constexpr std::size_t kLines = 4;
+constexpr std::size_t kLines = 5;
 constexpr int kArea = 32;  // px: the units of the means' standard errors, wide enough for neighbours that err together
 constexpr int kBlocksOfArea = kArea / kSumBlock;
+static_assert(kArea % kSumBlock == 0);
 
 }  // namespace
 
@@ -90,6 +91,7 @@ void ErrorStages::assess_row(const Rect& tile, int y, float* lines) {
   float* variance = line(1);
   float* D = line(2);
   float* likely = line(3);
+  float* own = line(4);
   const float strength = params_.strength;
   for (int c = 0; c < 3; ++c) {
     const auto channel = static_cast<std::size_t>(c);
@@ -100,13 +102,14 @@ void ErrorStages::assess_row(const Rect& tile, int y, float* lines) {
     float* F = result_.colour[channel].row(y) + tile.x0;
     for (int i = 0; i < n; ++i) {
       F[i] = strength * filtered[i] + (1.0F - strength) * mean[i];
-      const float own = divergence[i] + 0.5F * optimism[i] * (filtered[i] * filtered[i] + kRelativeEpsilon);
-      D[i] = strength * own + (1.0F - strength) * variance[i];
-      likely[i] = strength * (1.0F - strength) * (own - variance[i]);
+      own[i] = divergence[i] + 0.5F * optimism[i] * (filtered[i] * filtered[i] + kRelativeEpsilon);
     }
     energy_.add_colour(c, y, tile.x0, n, strength, F);
-    energy_.add_divergence(c, y, tile.x0, n, strength, D);
-    for (int i = 0; i < n; ++i) likely[i] += D[i];
+    energy_.add_divergence(c, y, tile.x0, n, 1.0F, own);
+    for (int i = 0; i < n; ++i) {
+      D[i] = strength * own[i] + (1.0F - strength) * variance[i];
+      likely[i] = D[i] + strength * (1.0F - strength) * (own[i] - variance[i]);
+    }
     float* risk = risks_.row(c, y) + tile.x0;
     sure_row(F, D, mean, variance, n, risk);
     add_to_means(tile, c, y, F, likely, risk);
@@ -200,21 +203,22 @@ double ErrorStages::report_means() {
   std::array<MeanError, 3> errors;
   MeanError relative_error;
   for (int row = 0; row * kArea < geometry_.height; ++row) {
+    const int rows = std::min(kArea, geometry_.height - row * kArea);
     if (source_.memory() != nullptr) source_.memory()->trim();
     for (int column = 0; column * kArea < geometry_.width; ++column) {
+      const double pixels = static_cast<double>(rows) * std::min(kArea, geometry_.width - column * kArea);
       Sums all;
       for (std::size_t c = 0; c < 3; ++c) {
         const Sums area = area_sums(c, column, row);
-        errors[c].add(area.risk, area.likely);
+        errors[c].add(area.risk, area.likely, pixels);
         all.relative_risk += area.relative_risk;
         all.relative_likely += area.relative_likely;
       }
-      relative_error.add(all.relative_risk, all.relative_likely);
+      relative_error.add(all.relative_risk, all.relative_likely, 3.0 * pixels);
     }
   }
-  const double pixels = static_cast<double>(geometry_.width) * geometry_.height;
-  for (std::size_t c = 0; c < 3; ++c) result_.report.mean_error[c] = errors[c].mean(pixels);
-  result_.report.mean_relative_error = relative_error.mean(3.0 * pixels);
+  for (std::size_t c = 0; c < 3; ++c) result_.report.mean_error[c] = errors[c].mean();
+  result_.report.mean_relative_error = relative_error.mean();
   return relative_error.evidence();
 }
 

@@ -13,31 +13,38 @@
 
 namespace stein {
 
-/// How far a mean error goes from what a good picture has to R, 0 to 1. `risk`, `likely`: sums of both; `squares`: what
-/// the square of their difference has for its expectation where that is nothing but noise.
-[[nodiscard]] double evidence_of(double risk, double likely, double squares) noexcept;
+/// How far a mean error goes from what a good picture has to R, 0 to 1. `risk`, `likely`: sums of both; `noise`: the
+/// variance of their difference.
+[[nodiscard]] double evidence_of(double risk, double likely, double noise) noexcept;
 
 class MeanError {
  public:
-  /// The sums over one area of the image, so wide that what neighbours have in common stays within.
-  void add(double risk, double likely) noexcept {
+  /// The sums over one area of the image, so wide that what neighbours have in common stays within, and over how many
+  /// values they go.
+  void add(double risk, double likely, double values) noexcept {
     const double difference = risk - likely;
     risk_ += risk;
     likely_ += likely;
+    values_ += values;
     squares_ += difference * difference;
+    products_ += difference * values;
+    squared_values_ += values * values;
     areas_ += 1;
   }
 
   [[nodiscard]] double evidence() const noexcept;
   /// >= 0: below lies what only variances can say that are not true.
-  [[nodiscard]] double mean(double pixels) const noexcept {
-    return std::max(likely_ + evidence() * (risk_ - likely_), 0.0) / pixels;
+  [[nodiscard]] double mean() const noexcept {
+    return values_ > 0 ? std::max(likely_ + evidence() * (risk_ - likely_), 0.0) / values_ : 0.0;
   }
 
  private:
   double risk_ = 0;
   double likely_ = 0;
-  double squares_ = 0;  // of the differences
+  double values_ = 0;
+  double squares_ = 0;   // of the differences
+  double products_ = 0;  // of differences and values
+  double squared_values_ = 0;
   double areas_ = 0;
 };
 

@@ -205,7 +205,7 @@ void bind_denoise(nb::module_& module) {
       .def_prop_ro("colour", [](OutputFrame& o) { return array_of(o.result.colour); })
       .def_prop_ro(
           "error", [](OutputFrame& o) { return array_of(o.result.error); },
-          "Squared error that is estimated to remain in each channel; can be below 0")
+          "Squared error that is estimated to remain in each channel; >= 0")
       .def_prop_ro(
           "choice", [](OutputFrame& o) { return array_of(o.result.choice); },
           "Index of the candidate that weighs most; 0 is the unfiltered input")

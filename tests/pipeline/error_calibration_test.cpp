@@ -82,14 +82,17 @@ TEST_CASE("error calibration: in the mean it lies between the likely error and t
 }
 
 TEST_CASE("error calibration: a few large risks do not speak for a bin, many small ones do") {
-  Pixels pixels;
-  for (int i = 0; i < 1000; ++i) pixels.add(0.01F, i == 500 ? 100.0F : 0.01F, 0.01F);  // their mean is 11 times D
-  for (int i = 0; i < 1000; ++i) pixels.add(1.0F, i % 2 == 0 ? 3.0F : 5.0F, 1.0F);
-  const ErrorCalibration calibration = pixels.fitted(1.0);
-  const double few = calibration.error(0.01F);
-  const double many = calibration.error(1.0F);
-  CHECK(few + many == Approx(4.11).epsilon(0.01));
-  CHECK(many / few == Approx(400.0).epsilon(0.05));
+  for (const float low : {0x1p-7F, 0x1p-13F, 0x1p-17F}) {
+    Pixels pixels;
+    for (int i = 0; i < 1000; ++i) pixels.add(low, i == 500 ? 1e4F * low : low, low);  // their mean is 11 times D
+    for (int i = 0; i < 1000; ++i) pixels.add(128.0F * low, i % 2 == 0 ? 300.0F * low : 500.0F * low, 100.0F * low);
+    const ErrorCalibration calibration = pixels.fitted(1.0);
+    CHECK(calibration.error(128.0F * low) / calibration.error(low) == Approx(400.0).epsilon(0.05));
+  }
+  Pixels one;
+  for (int i = 0; i < 1000; ++i) one.add(1e-6F, i == 500 ? 1.0F : 1e-6F, 1e-6F);
+  for (int i = 0; i < 1000; ++i) one.add(1.0F, 1.0F, 1.0F);
+  CHECK(one.fitted(1.0).error(1e-6F) < 2e-6F);
 }
 
 TEST_CASE("error calibration: few pixels do not stand for themselves") {
