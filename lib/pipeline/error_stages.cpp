@@ -41,10 +41,10 @@ ErrorStages::ErrorStages(const Source& source, const LayerSource& layers, const 
       filtered_(filtered),
       guides_(guides),
       geometry_(geometry),
+      blocks_((geometry.width + kSumBlock - 1) / kSumBlock),
       result_(result),
       calibrations_{ErrorCalibration(slots), ErrorCalibration(slots), ErrorCalibration(slots)} {
-  const auto blocks = static_cast<std::size_t>((geometry.width + kSumBlock - 1) / kSumBlock);
-  for (int c = 0; c < 3; ++c) sums_.emplace_back(blocks * static_cast<std::size_t>(geometry.height), source.memory());
+  for (int c = 0; c < 3; ++c) sums_.emplace_back(row_start(geometry.height), source.memory());
   lines_.assign(static_cast<std::size_t>(slots),
                 std::vector<float>(kLines * static_cast<std::size_t>(geometry.tile_width)));
   // Until the predictors are smooth.
@@ -131,8 +131,7 @@ void ErrorStages::assess_row(const Rect& tile, int y, float* lines) {
 
 void ErrorStages::add_to_means(const Rect& tile, int channel, int y, const float* F, const float* likely,
                                const float* risk) {
-  const auto blocks = static_cast<std::size_t>((geometry_.width + kSumBlock - 1) / kSumBlock);
-  Sums* sums = sums_[static_cast<std::size_t>(channel)].data() + static_cast<std::size_t>(y) * blocks;
+  Sums* sums = sums_[static_cast<std::size_t>(channel)].data() + row_start(y);
   for (int i = 0; i < tile.width(); ++i) {
     Sums& block = sums[(tile.x0 + i) / kSumBlock];
     const double weight = 1.0 / (static_cast<double>(F[i]) * F[i] + kRelativeEpsilon);
@@ -183,12 +182,10 @@ void ErrorStages::calibrate(exec::Runner& runner) {
 }
 
 ErrorStages::Sums ErrorStages::area_sums(std::size_t channel, int column, int row) const {
-  const int blocks = (geometry_.width + kSumBlock - 1) / kSumBlock;
   Sums area;
   for (int y = row * kArea; y < std::min((row + 1) * kArea, geometry_.height); ++y) {
-    for (int b = column * kBlocksOfArea; b < std::min((column + 1) * kBlocksOfArea, blocks); ++b) {
-      const Sums& block =
-          sums_[channel][static_cast<std::size_t>(y) * static_cast<std::size_t>(blocks) + static_cast<std::size_t>(b)];
+    for (int b = column * kBlocksOfArea; b < std::min((column + 1) * kBlocksOfArea, blocks_); ++b) {
+      const Sums& block = sums_[channel][row_start(y) + static_cast<std::size_t>(b)];
       area.risk += block.risk;
       area.likely += block.likely;
       area.relative_risk += block.relative_risk;

@@ -53,6 +53,9 @@ class ErrorStages {
   void add_to_means(const Rect& tile, int channel, int y, const float* F, const float* likely, const float* risk);
   void collect(const Rect& tile, int slot);
   [[nodiscard]] double report_means();
+  [[nodiscard]] std::size_t row_start(int y) const noexcept {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(blocks_);
+  }
   [[nodiscard]] Sums area_sums(std::size_t channel, int column, int row) const;
   [[nodiscard]] float* lines_of(int slot) { return lines_[static_cast<std::size_t>(slot)].data(); }
 
@@ -63,6 +66,7 @@ class ErrorStages {
   MixtureRows filtered_;
   const GuideRows& guides_;
   exec::RowPipelineGeometry geometry_;
+  int blocks_;  // of kSumBlock pixels in a row
   DenoiseResult& result_;
   std::vector<std::unique_ptr<exec::RowRing>> rings_;
   MapRows risks_;              // relative, per channel; and the likely relative errors

@@ -28,8 +28,8 @@ double evidence_of(double risk, double likely, double noise) noexcept {
 // nothing of its noise, which may then be all there is.
 double MeanError::evidence() const noexcept {
   if (areas_ < 2) return evidence_of(risk_, likely_, squares_);
-  const double mean = (risk_ - likely_) / values_;
-  const double scatter = std::max(squares_ - 2.0 * mean * products_ + mean * mean * squared_values_, 0.0);
+  const double usual = (risk_ - likely_) / values_;
+  const double scatter = std::max(squares_ - 2.0 * usual * products_ + usual * usual * squared_values_, 0.0);
   return evidence_of(risk_, likely_, scatter * areas_ / (areas_ - 1));
 }
 
