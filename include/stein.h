@@ -181,8 +181,9 @@ STEIN_API stein_status stein_result_copy(const stein_result* result, const char*
                                          ptrdiff_t pixel_stride, ptrdiff_t row_stride);
 
 /* Numbers of the report: invalid_pixels, single_sample_pixels, outlier_pixels, outlier_energy, mean_error.R .G .B,
- * mean_relative_error, scratch_bytes, bad_layer_pixels (values of all layers that were filled from their neighbours).
- */
+ * mean_relative_error, scratch_bytes, bad_layer_pixels (values of all layers that were filled from their neighbours);
+ * and of each filter and added denoiser weight.NAME, its mean weight in the result, and mean_relative_error.NAME, the
+ * estimate for its picture alone (not where the strength is below 1). */
 STEIN_API stein_status stein_result_number(const stein_result* result, const char* name, double* value);
 
 /* Texts of the report, by index from 0; past the last one *text becomes null. `name` is one of: warning (in words, for

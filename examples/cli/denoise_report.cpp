@@ -110,8 +110,11 @@ nlohmann::ordered_json choice_json(const DenoiseReport& report) {
 nlohmann::ordered_json filters_json(const DenoiseReport& report) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const FilterShare& filter : report.filters) {
-    json.push_back(
-        {{"name", filter.name}, {"weight", filter.weight}, {"risk", filter.risk}, {"risk_reason", filter.risk_reason}});
+    nlohmann::ordered_json entry = {{"name", filter.name}, {"weight", filter.weight}};
+    if (filter.mean_relative_error) entry["mean_estimated_relative_error"] = *filter.mean_relative_error;
+    entry["risk"] = filter.risk;
+    entry["risk_reason"] = filter.risk_reason;
+    json.push_back(std::move(entry));
   }
   return json;
 }
@@ -120,6 +123,17 @@ void print_filters(const DenoiseReport& report) {
   for (const FilterShare& filter : report.filters) {
     std::printf("%-9s %5.1f %% %s, %s: %s\n", &filter == report.filters.data() ? "filter" : "", 100 * filter.weight,
                 filter.name.c_str(), filter.risk.c_str(), filter.risk_reason.c_str());
+  }
+}
+
+void print_errors(const DenoiseReport& report) {
+  std::printf("%-9s mean squared error %.4g %.4g %.4g (R G B), relative %.4g\n", "estimated", report.mean_error[0],
+              report.mean_error[1], report.mean_error[2], report.mean_relative_error);
+  if (report.filters.size() < 2) return;
+  for (const FilterShare& filter : report.filters) {
+    if (!filter.mean_relative_error) continue;
+    std::printf("%-9s relative %s%.4g of %s alone\n", "", filter.weight > 0 ? "" : "at least ",
+                *filter.mean_relative_error, filter.name.c_str());
   }
 }
 
@@ -166,8 +180,7 @@ void print_summary(const DenoiseSummary& summary) {
     std::printf("%-9s %5.1f %% %s\n", i == 0 ? "choice" : "", 100 * report.choice_share[i],
                 report.candidates[i].c_str());
   }
-  std::printf("%-9s mean squared error %.4g %.4g %.4g (R G B), relative %.4g\n", "estimated", report.mean_error[0],
-              report.mean_error[1], report.mean_error[2], report.mean_relative_error);
+  print_errors(report);
   const Seconds& seconds = summary.seconds;
   std::printf("%-9s %.2f s: read %.2f, compute %.2f, write %.2f\n", "time", seconds.total, seconds.read,
               seconds.compute, seconds.write);

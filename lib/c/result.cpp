@@ -45,17 +45,22 @@ double number_of(const stein_result* result, const char* name) {
   const DenoiseReport& report = result->value.report;
   const std::vector<std::int64_t>& bad_layers = report.frame.bad_layer_pixels;
   const auto bad_layer_pixels = std::accumulate(bad_layers.begin(), bad_layers.end(), std::int64_t{0});
-  return look_up<double>({{"invalid_pixels", static_cast<double>(report.frame.invalid_pixels)},
-                          {"single_sample_pixels", static_cast<double>(report.frame.single_sample_pixels)},
-                          {"outlier_pixels", static_cast<double>(report.outlier_pixels)},
-                          {"outlier_energy", report.outlier_energy},
-                          {"scratch_bytes", static_cast<double>(report.scratch_bytes)},
-                          {"mean_error.R", report.mean_error[0]},
-                          {"mean_error.G", report.mean_error[1]},
-                          {"mean_error.B", report.mean_error[2]},
-                          {"mean_relative_error", report.mean_relative_error},
-                          {"bad_layer_pixels", static_cast<double>(bad_layer_pixels)}},
-                         "number", name);
+  Table<double> numbers = {{"invalid_pixels", static_cast<double>(report.frame.invalid_pixels)},
+                           {"single_sample_pixels", static_cast<double>(report.frame.single_sample_pixels)},
+                           {"outlier_pixels", static_cast<double>(report.outlier_pixels)},
+                           {"outlier_energy", report.outlier_energy},
+                           {"scratch_bytes", static_cast<double>(report.scratch_bytes)},
+                           {"mean_error.R", report.mean_error[0]},
+                           {"mean_error.G", report.mean_error[1]},
+                           {"mean_error.B", report.mean_error[2]},
+                           {"mean_relative_error", report.mean_relative_error},
+                           {"bad_layer_pixels", static_cast<double>(bad_layer_pixels)}};
+  for (const FilterShare& filter : report.filters) {
+    numbers.emplace_back("weight." + filter.name, filter.weight);
+    if (filter.mean_relative_error)
+      numbers.emplace_back("mean_relative_error." + filter.name, *filter.mean_relative_error);
+  }
+  return look_up(numbers, "number", name);
 }
 
 const char* text_of(const stein_result* result, const char* name, int32_t index) {

@@ -19,6 +19,7 @@
 #include "pipeline/external_picture.hpp"
 #include "pipeline/filter_job.hpp"
 #include "pipeline/layers.hpp"
+#include "pipeline/picture_errors.hpp"
 #include "pipeline/risk_choice.hpp"
 #include "pipeline/second_pass.hpp"
 #include "pipeline/summary.hpp"
@@ -137,7 +138,9 @@ void filter_alone(Run& run, bool knows_covariances) {
   run.execute(stages, left);
   run.doubt(job.findings(), knows_covariances);
   errors.calibrate(run.runner);
-  run.result.report.filters.front().weight = 1.0;
+  FilterShare& filter = run.result.report.filters.front();
+  filter.weight = 1.0;
+  if (run.params.strength == 1.0F) filter.mean_relative_error = run.result.report.mean_relative_error;
 }
 
 // A filter's picture of the whole image.
@@ -197,6 +200,17 @@ void name_choices(const std::vector<Picture>& pictures, const std::vector<int>& 
   }
 }
 
+// What each picture has more of an error than the result, where that is their mixture and no more of the input.
+void tell_errors(Run& run, const std::vector<Picture>& pictures) {
+  if (run.params.strength != 1.0F) return;
+  std::vector<MixtureRows> rows;
+  for (const Picture& picture : pictures) rows.emplace_back(picture.rows);
+  const std::vector<double> more = distances_from_mixture(rows, run.result.colour, run.energy, run.runner);
+  DenoiseReport& report = run.result.report;
+  for (std::size_t p = 0; p < more.size(); ++p)
+    report.filters[p].mean_relative_error = report.mean_relative_error + more[p];
+}
+
 // Several filters, one after the other, and then their mixture.
 void filter_together(Run& run, bool knows_covariances) {
   std::vector<Picture> pictures;
@@ -249,10 +263,11 @@ void filter_together(Run& run, bool knows_covariances) {
   const MixtureWeights weights = blend->mean_weights();
   errors.calibrate(run.runner);
   for (std::size_t f = 0; f < pictures.size(); ++f) run.result.report.filters[f].weight = weights[f + 1];
+  run.clock.measure("error", [&] { tell_errors(run, pictures); });
 }
 
 void describe(const std::string& filter, const RiskChoice& risk, DenoiseReport& report) {
-  report.filters.push_back({filter, 0.0, risk.name, risk.reason});
+  report.filters.push_back({filter, 0.0, {}, risk.name, risk.reason});
   for (const std::string& warning : risk.warnings) {
     const auto same = std::find(report.warnings.begin(), report.warnings.end(), warning);
     if (same == report.warnings.end()) report.warnings.push_back(warning);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <set>
 #include <string>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "pipeline/mixture.hpp"
 #include "pipeline/second_pass.hpp"
 #include "prefilter/perturbed_frame.hpp"
+#include "risk/followed.hpp"
 #include "risk/sure.hpp"
 #include "stein/error.hpp"
 
@@ -52,14 +54,16 @@ class Pictures {
               Memory::Use::kImage),
         out_(rows_),
         lines_(static_cast<std::size_t>(runner.slots()),
-               std::vector<float>(3 * static_cast<std::size_t>(frame_.width))) {}
+               std::vector<float>(6 * static_cast<std::size_t>(frame_.width))) {}
 
   exec::RowRing make() {
     take_image(answer(nullptr).image);
     if (layer_channels(frame_) > 0) take_layers(std::get<ExternalImages>(candidate_.source).layers);
     for (int draw = 0; draw < draws_of(candidate_); ++draw) {
       const Perturbation perturbation = perturbation_of(draw);
-      add_draw(answer(&perturbation, draw).image, given_.perturbed(perturbation), perturbation.step);
+      const Followed followed =
+          add_draw(answer(&perturbation, draw).image, given_.perturbed(perturbation), perturbation.step);
+      if (candidate_.name != kSecondPass) require_followed(followed, perturbation);
     }
     return std::move(rows_);
   }
@@ -145,21 +149,37 @@ class Pictures {
   }
 
   // As FilterRuns::add_draw.
-  void add_draw(const Image& image, const Source& moved, float step) {
+  Followed add_draw(const Image& image, const Source& moved, float step) {
     const float factor = 1.0F / (step * static_cast<float>(draws_of(candidate_)));
+    std::vector<Followed> rows(static_cast<std::size_t>(frame_.height));
     runner_.for_each(frame_.height, share_, [&](int y, int slot) {
-      std::vector<float> F_moved(static_cast<std::size_t>(frame_.width));
-      float* b[3];
-      for (int c = 0; c < 3; ++c)
-        b[c] = lines_[static_cast<std::size_t>(slot)].data() + std::ptrdiff_t{c} * frame_.width;
+      const std::ptrdiff_t width = frame_.width;
+      float* const lines = lines_[static_cast<std::size_t>(slot)].data();
+      float* b[3] = {lines, lines + width, lines + 2 * width};
+      float* F_moved[3] = {lines + 3 * width, lines + 4 * width, lines + 5 * width};
+      const float* F[3];
       moved.direction_rows(y, 0, frame_.width, b);
       for (int c = 0; c < 3; ++c) {
-        const auto channel = static_cast<std::size_t>(c);
-        image[channel].read_row(y, 0, frame_.width, F_moved.data());
+        F[c] = out_.result(c, y);
+        image[static_cast<std::size_t>(c)].read_row(y, 0, frame_.width, F_moved[c]);
         // An unusable pixel does not move.
-        add_draw_row(b[c], F_moved.data(), out_.result(c, y), factor, frame_.width, out_.divergence(c, y));
+        add_draw_row(b[c], F_moved[c], F[c], factor, frame_.width, out_.divergence(c, y));
       }
+      rows[static_cast<std::size_t>(y)].add_row(b, F, F_moved, step, frame_.width);
     });
+    Followed all;
+    for (const Followed& row : rows) all.add(row);
+    return all;
+  }
+
+  void require_followed(const Followed& followed, const Perturbation& perturbation) const {
+    if (!followed.is_by_chance()) return;
+    char share[16];
+    std::snprintf(share, sizeof share, "%.1f", 100.0 * followed.share());
+    refuse(candidate_, "its image of a perturbed frame follows the perturbation at " + std::string(share) +
+                           " % of the pixels, which is chance: it was not made of this frame with draw " +
+                           std::to_string(perturbation.draw) + " of seed " + std::to_string(perturbation.seed) +
+                           "; perturb anew, and give the images in the order of their draws");
   }
 
   const Source& given_;

@@ -2,6 +2,7 @@
 #include "stein/denoise.hpp"
 
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
@@ -176,6 +177,7 @@ nb::dict report_of(const OutputFrame& output) {
     nb::dict entry;
     entry["name"] = share.name;
     entry["weight"] = share.weight;
+    entry["mean_relative_error"] = share.mean_relative_error;
     entry["risk"] = share.risk;
     entry["risk_reason"] = share.risk_reason;
     filters.append(entry);

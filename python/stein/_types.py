@@ -71,6 +71,7 @@ class FilterShare(TypedDict):
 
     name: str
     weight: float
+    mean_relative_error: float | None
     risk: str
     risk_reason: str
 

@@ -311,6 +311,10 @@ def test_another_denoiser_joins_as_a_function():
     assert 0.05 < np.abs(step).mean() < 0.2 and not np.array_equal(colours[1], colours[2])
     assert result.report["candidates"][-1] == "truth"
     assert result.report["filters"][-1]["name"] == "truth"
+    own, other = (result.report["filters"][i]["mean_relative_error"] for i in (0, -1))
+    assert own > other >= result.report["mean_relative_error"]
+    halved = stein.denoise(**scene.arguments(), candidates={"truth": truth}, strength=0.5)
+    assert halved.report["filters"][0]["mean_relative_error"] is None
     assert mse(result.colour, scene.truth) < 0.5 * mse(stein.denoise(**scene.arguments()).colour, scene.truth)
 
 

@@ -74,6 +74,9 @@ TEST_CASE("C: all planes and the report are bit for bit those of stein::denoise"
     CHECK(texts(result.get(), "filter")[f] == expected.report.filters[f].name);
     CHECK(texts(result.get(), "risk")[f] == expected.report.filters[f].risk);
     CHECK(texts(result.get(), "risk_reason")[f] == expected.report.filters[f].risk_reason);
+    const FilterShare& share = expected.report.filters[f];
+    CHECK(number(result.get(), ("weight." + share.name).c_str()) == share.weight);
+    CHECK(number(result.get(), ("mean_relative_error." + share.name).c_str()) == share.mean_relative_error.value());
   }
 }
 

@@ -55,6 +55,7 @@ class Writer {
 
 void write_values(const Writer& to) {
   to.image("noisy.exr", noisy_image(kWidth, kHeight));
+  to.image("redrawn.exr", noisy_image(kWidth, kHeight, 8));
   to.with_value("nan.exr", "G", kNan);
   to.with_value("inf.exr", "G", kInfinity);
   to.with_value("huge.exr", "G", 1e38F);

@@ -145,6 +145,7 @@ TEST_CASE("denoise: every filter runs with every risk that it has, and the repor
     const nlohmann::json& filter = report.at("filters").at(0);
     CHECK(filter.at("name") == k.options[1]);
     CHECK(filter.at("risk") == k.risk);
+    CHECK(filter.at("mean_estimated_relative_error") == report.at("mean_estimated_relative_error"));
     CHECK_FALSE(filter.at("risk_reason").get<std::string>().empty());
     for (const char* name : {"error.R", "choice.V", "density.V"}) CHECK(has_channel(folder / "clean.exr", name));
   }

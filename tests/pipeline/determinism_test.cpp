@@ -17,8 +17,8 @@ bool same_bits(const DenoiseResult& a, const DenoiseResult& b) {
   for (std::size_t c = 0; c < 3; ++c) {
     if (!same_bits(a.colour[c], b.colour[c]) || !same_bits(a.error[c], b.error[c])) return false;
   }
-  return same_bits(a.choice, b.choice) && same_bits(a.density, b.density) &&
-         a.report.mean_error == b.report.mean_error && a.report.choice_share == b.report.choice_share;
+  return same_bits(a.choice, b.choice) && same_bits(a.density, b.density) && same_errors(a.report, b.report) &&
+         a.report.choice_share == b.report.choice_share;
 }
 
 }  // namespace

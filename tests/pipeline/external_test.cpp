@@ -64,28 +64,40 @@ DenoiseParams params_with(std::vector<ExternalCandidate> candidates) {
   return params;
 }
 
-double relative_error(const NoisyScene& scene, const DenoiseResult& result) {
+template <class Truth>
+double relative_error(const DenoiseResult& result, const Truth& truth) {
+  const Plane& plane = result.colour[0];
   double sum = 0;
   for (std::size_t c = 0; c < 3; ++c) {
-    for (int y = 0; y < scene.height(); ++y) {
-      for (int x = 0; x < scene.width(); ++x) {
-        const double truth = scene.truth(c, x, y);
-        sum += std::pow(result.colour[c].row(y)[x] - truth, 2) / (truth * truth + 0.01);
+    for (int y = 0; y < plane.height(); ++y) {
+      for (int x = 0; x < plane.width(); ++x) {
+        const double wanted = truth(c, x, y);
+        sum += std::pow(result.colour[c].row(y)[x] - wanted, 2) / (wanted * wanted + 0.01);
       }
     }
   }
-  return sum / (3.0 * scene.width() * scene.height());
+  return sum / (3.0 * plane.width() * plane.height());
 }
 
-std::string refusal(const Frame& frame, const DenoiseParams& params, ErrorCode code = ErrorCode::kInvalidArgument) {
+double relative_error(const NoisyScene& scene, const DenoiseResult& result) {
+  return relative_error(result, [&](std::size_t c, int x, int y) { return scene.truth(c, x, y); });
+}
+
+// Nothing where it is not refused.
+std::string refusal_of(const Frame& frame, const DenoiseParams& params, ErrorCode code = ErrorCode::kInvalidArgument) {
   try {
     (void)denoise(frame, params);
   } catch (const Error& error) {
     CHECK(error.code() == code);
     return error.what();
   }
-  FAIL("not refused");
   return {};
+}
+
+std::string refusal(const Frame& frame, const DenoiseParams& params, ErrorCode code = ErrorCode::kInvalidArgument) {
+  const std::string message = refusal_of(frame, params, code);
+  REQUIRE(!message.empty());
+  return message;
 }
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
@@ -249,6 +261,122 @@ TEST_CASE("external: report, choice and progress speak of it") {
   CHECK(report.filters[2].risk_reason == "from 2 perturbed runs");
   CHECK(std::accumulate(report.choice_share.begin(), report.choice_share.end(), 0.0) == Approx(1.0));
   CHECK(last == Approx(1.0));
+}
+
+TEST_CASE("external: one that does not follow the perturbation is refused, if the image can show it") {
+  constexpr int kSide = 128;
+  OwnedFrame owned(kSide, kSide, kUsualFeatures);
+  fill_random(owned, 13);
+  const Frame& frame = owned.frame();
+  const auto views = [](const Image& planes) {
+    return std::array<ConstPlaneView, 3>{planes[0].view(), planes[1].view(), planes[2].view()};
+  };
+  const auto answers = [&](const auto& run, const Perturbation& perturbation) {
+    return run(PerturbedFrame(frame, perturbation).frame());
+  };
+  const auto told = [&](const auto& run, const Perturbation& given, const Perturbation& made_of) {
+    const Image image = run(frame);
+    const Image moved = answers(run, made_of);
+    const ExternalImages images{views(image), {{given, views(moved)}}, {}};
+    return refusal_of(frame, params_with({{"other", images}}));
+  };
+  const Perturbation right{1, 0, kExternalStep};
+  CHECK(told(box, right, right).empty());
+  for (const Perturbation& other : {Perturbation{1, 1, kExternalStep}, Perturbation{2, 0, kExternalStep}}) {
+    const std::string message = told(box, right, other);
+    INFO(message);
+    for (const char* part : {"'other'", "draw 0 of seed 1", "chance"}) CHECK(contains(message, part));
+    // Of as many pixels as this image has, a mean of a 128th is nothing that signs could show.
+    const auto row = [](const Frame& given) {
+      return image_of(given.width, given.height, [&](std::size_t c, int, int y) {
+        double sum = 0;
+        for (int x = 0; x < given.width; ++x) sum += given.colour[c].at(x, y);
+        return sum / given.width;
+      });
+    };
+    CHECK(told(row, right, other).empty());
+    const auto input = [](const Frame& given) {
+      return image_of(given.width, given.height, [&](std::size_t c, int x, int y) { return given.colour[c].at(x, y); });
+    };
+    CHECK(contains(told(input, right, other), "chance"));
+    const auto constant = [](const Frame& given) {
+      return image_of(given.width, given.height, [](std::size_t, int, int) { return 0.5; });
+    };
+    CHECK(told(constant, right, other).empty());
+  }
+}
+
+TEST_CASE("external: of each picture the error that it has more than the mixture") {
+  NoisyScene scene({});
+  scene.draw();
+  Frame frame = scene.frame();
+  const Image colour = image_of(frame.width, frame.height, [&](std::size_t c, int x, int y) {
+    return x == 9 && y == 7 ? 1e4 : frame.colour[c].at(x, y);  // an outlier, whose energy is given back
+  });
+  for (std::size_t c = 0; c < 3; ++c) frame.colour[c] = colour[c].view();
+  DenoiseParams params = params_with({candidate(box)});
+  const DenoiseResult result = denoise(frame, params);
+  REQUIRE(result.report.outlier_pixels > 0);
+  DenoiseParams alone = params;
+  alone.candidates.clear();
+  const DenoiseResult own = denoise(frame, alone);
+  const Image other = box(frame);
+  double more[2] = {};
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (int y = 0; y < frame.height; ++y) {
+      for (int x = 0; x < frame.width; ++x) {
+        const double B = result.colour[c].row(y)[x];
+        const double weight = 1.0 / (B * B + 0.01) / (3.0 * frame.width * frame.height);
+        more[0] += weight * std::pow(own.colour[c].row(y)[x] - B, 2);
+        more[1] += weight * std::pow(other[c].row(y)[x] - B, 2);
+      }
+    }
+  }
+  const DenoiseReport& report = result.report;
+  REQUIRE(report.filters.size() == 2);
+  for (std::size_t f = 0; f < 2; ++f)
+    CHECK(report.filters[f].mean_relative_error.value() == Approx(report.mean_relative_error + more[f]).epsilon(1e-4));
+  CHECK(own.report.filters[0].mean_relative_error.value() == own.report.mean_relative_error);
+  params.strength = 0.5F;
+  for (const FilterShare& filter : denoise(frame, params).report.filters) CHECK(!filter.mean_relative_error);
+  alone.strength = 0.5F;
+  CHECK(!denoise(frame, alone).report.filters[0].mean_relative_error);
+}
+
+// With noise that is small beside the colour, so that weights by the picture and by the truth are the same.
+TEST_CASE("external: what is told of each picture's error is its error") {
+  constexpr int kWidth = 96;
+  constexpr int kHeight = 64;
+  constexpr int kDraws = 20;
+  const auto truth = [](std::size_t c, int x, int y) {
+    return 1.5 + 0.3 * std::sin(0.9 * x + static_cast<double>(c)) * std::cos(0.2 * y);
+  };
+  Random random(19);
+  double told[2] = {};
+  double true_errors[2] = {};
+  for (int draw = 0; draw < kDraws; ++draw) {
+    OwnedFrame owned(kWidth, kHeight, {}, false);
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+          owned.at(std::string(1, "RGB"[c]), x, y) = static_cast<float>(truth(c, x, y) + 0.2 * random.normal());
+          owned.at(std::string("variance.") + "RGB"[c], x, y) = 0.04F;
+        }
+      }
+    }
+    const Frame& frame = owned.frame();
+    const DenoiseResult result = denoise(frame, params_with({candidate(box)}));
+    DenoiseResult picture = denoise(frame, params_with({}));
+    for (std::size_t f = 0; f < 2; ++f) {
+      told[f] += result.report.filters[f].mean_relative_error.value() / kDraws;
+      true_errors[f] += relative_error(picture, truth) / kDraws;
+      picture.colour = box(frame);
+    }
+  }
+  for (std::size_t f = 0; f < 2; ++f) {
+    INFO("picture " << f << ": told " << told[f] << ", true " << true_errors[f]);
+    CHECK(told[f] == Approx(true_errors[f]).epsilon(0.05));
+  }
 }
 
 TEST_CASE("external: it sees unusable values as they are, and may leave them") {

@@ -30,8 +30,7 @@ bool same_bits(const DenoiseResult& a, const DenoiseResult& b) {
   for (std::size_t l = 0; same && l < a.layers.size(); ++l) {
     for (std::size_t c = 0; c < 3; ++c) same = same && same_bits(a.layers[l].mean[c], b.layers[l].mean[c]);
   }
-  return same && a.report.mean_error == b.report.mean_error && a.report.choice_share == b.report.choice_share &&
-         a.report.mean_relative_error == b.report.mean_relative_error;
+  return same && same_errors(a.report, b.report) && a.report.choice_share == b.report.choice_share;
 }
 
 // With an outlier, holes, and a layer.

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/picture_errors.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "pipeline/relative_risk.hpp"
+
+namespace stein {
+namespace {
+
+double row_distance(const float* F, const float* B, int count) {
+  double sum = 0;
+  for (int i = 0; i < count; ++i) {
+    const float difference = F[i] - B[i];
+    sum += static_cast<double>(difference * difference / (B[i] * B[i] + kRelativeEpsilon));
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::vector<double> distances_from_mixture(const std::vector<MixtureRows>& pictures,
+                                           const std::array<Plane, 3>& mixture, const OutlierEnergy& energy,
+                                           exec::Runner& runner) {
+  const int width = mixture[0].width();
+  const int height = mixture[0].height();
+  const auto rows = static_cast<std::size_t>(height);
+  std::vector<double> sums(pictures.size() * rows);
+  std::vector<std::vector<float>> lines(static_cast<std::size_t>(runner.slots()),
+                                        std::vector<float>(static_cast<std::size_t>(width)));
+  runner.for_each(height, 0.0, [&](int y, int slot) {
+    float* F = lines[static_cast<std::size_t>(slot)].data();
+    for (std::size_t p = 0; p < pictures.size(); ++p) {
+      double& sum = sums[p * rows + static_cast<std::size_t>(y)];
+      for (int c = 0; c < 3; ++c) {
+        std::copy_n(pictures[p].result(c, y), width, F);
+        energy.add_colour(c, y, 0, width, 1.0F, F);
+        sum += row_distance(F, mixture[static_cast<std::size_t>(c)].row(y), width);
+      }
+    }
+  });
+  std::vector<double> means;
+  for (auto row = sums.begin(); row != sums.end(); row += height)
+    means.push_back(std::accumulate(row, row + height, 0.0) / (3.0 * width * height));
+  return means;
+}
+
+}  // namespace stein
