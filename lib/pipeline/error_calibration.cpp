@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "pipeline/mean_error.hpp"
 
@@ -78,9 +79,12 @@ std::array<double, ErrorCalibration::kBins> ErrorCalibration::errors_of(const Ta
     told += errors[bin];
     wanted += likely + evidence * difference;
   }
-  if (told > 0) {
-    for (double& error : errors) error *= std::max(wanted, 0.0) / told;
+  if (!(told > 0)) {  // the bins' own evidence does not add up to the image's: what is likely of each
+    for (std::size_t bin = 0; bin < kBins; ++bin)
+      errors[bin] = std::max(static_cast<double>(sums.likely[bin]) / kUnitsPerRisk, 0.0);
+    told = std::accumulate(errors.begin(), errors.end(), 0.0);
   }
+  for (double& error : errors) error *= told > 0 ? std::max(wanted, 0.0) / told : 0.0;
   return errors;
 }
 

@@ -5,13 +5,16 @@
 // R has the error as its expectation, but a mean of R is a noisy one: a few pixels can carry most of it. The divergence
 // term D of the mixture F is known to a few percent, and is its error where F is as good as mixing with the input can
 // make it: with x the truth, the derivative of E|F + s (y - F) - x|^2 at s = 0 is 2 (E D - E|F - x|^2), which is 0 at
-// the best share of the input and not below 0 where the best has none. So R is believed as far as its noise allows, and
-// D, or what follows from it for a result of less strength, for the rest.
+// the best share of the input and not below 0 where the best has none: the error is D, or somewhat less. So R is
+// believed as far as its noise allows, and for the rest what is likely by D.
 #pragma once
 
 #include <algorithm>
 
 namespace stein {
+
+/// The error of a mixture as a share of its D: in the mean over 30 renders and several filters (docs/risk.md).
+inline constexpr float kErrorOfDivergence = 0.9F;
 
 /// How far a mean error goes from what a good picture has to R, 0 to 1. `risk`, `likely`: sums of both; `noise`: the
 /// variance of their difference.

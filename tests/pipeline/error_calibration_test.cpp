@@ -81,6 +81,15 @@ TEST_CASE("error calibration: in the mean it lies between the likely error and t
   }
 }
 
+TEST_CASE("error calibration: where every bin is sure of less than 0, but not the image, each has what is likely") {
+  Pixels pixels;
+  for (int i = 0; i < 900; ++i) pixels.add(1.0F, -2.0F, 1.0F);
+  for (int i = 0; i < 100; ++i) pixels.add(16.0F, -20.0F, 16.0F);
+  const ErrorCalibration calibration = pixels.fitted(0.1);  // likely 2.5 in the mean, with a risk of -3.8
+  CHECK(0.9 * calibration.error(1.0F) + 0.1 * calibration.error(16.0F) == Approx(2.5 - 0.1 * 6.3));
+  CHECK(calibration.error(16.0F) / calibration.error(1.0F) == Approx(16.0));
+}
+
 TEST_CASE("error calibration: a few large risks do not speak for a bin, many small ones do") {
   for (const float low : {0x1p-7F, 0x1p-13F, 0x1p-17F}) {
     Pixels pixels;
