@@ -151,7 +151,8 @@ STEIN_API stein_status stein_params_set_number(stein_params* params, const char*
 typedef int (*stein_denoiser)(const stein_frame* frame, float* const colour[3], ptrdiff_t row_stride, void* user);
 
 /* Adds one, by a name for report and messages. `draws`: 1 to 16; 1 is enough. `step`: of the perturbation in standard
- * deviations of the noise, 0.001 to 1; 0: the default. With one, the frame can have no layers. */
+ * deviations of the noise, 0.001 to 1; 0: the default. With one, the frame can have no layers. One that clearly does
+ * not follow the perturbation is refused by stein_denoise: it has to denoise what it is handed, the same way always. */
 STEIN_API stein_status stein_params_add_denoiser(stein_params* params, const char* name, stein_denoiser denoiser,
                                                  void* user, int32_t draws, float step, uint64_t seed);
 
@@ -182,8 +183,9 @@ STEIN_API stein_status stein_result_copy(const stein_result* result, const char*
 
 /* Numbers of the report: invalid_pixels, single_sample_pixels, outlier_pixels, outlier_energy, mean_error.R .G .B,
  * mean_relative_error, scratch_bytes, bad_layer_pixels (values of all layers that were filled from their neighbours);
- * and of each filter and added denoiser weight.NAME, its mean weight in the result, and mean_relative_error.NAME, the
- * estimate for its picture alone (not where the strength is below 1). */
+ * and of each filter and added denoiser, of the first of a name, weight.NAME, its mean weight in the mixture, and
+ * mean_relative_error.NAME, the estimate for its picture alone, which is a lower bound as far as it has no weight (not
+ * where the strength is below 1). */
 STEIN_API stein_status stein_result_number(const stein_result* result, const char* name, double* value);
 
 /* Texts of the report, by index from 0; past the last one *text becomes null. `name` is one of: warning (in words, for

@@ -47,7 +47,8 @@ inline constexpr float kExternalStep = 0.1F;  ///< measured with OIDN, docs/cand
 
 /// Another denoiser as a function. Called in the thread that called denoise(), with the frame as it is, unusable values
 /// included, and once for each draw with a perturbed one; returns the colour in planes of the frame's size. Has to give
-/// the same for the same. What it throws ends the call.
+/// the same for the same. What it throws ends the call. One that clearly does not follow the perturbation is refused,
+/// as one that draws random numbers, and one that never uses the pixel itself (docs/candidates.md).
 struct ExternalDenoiser {
   std::function<std::array<Plane, 3>(const Frame& frame)> run;
   int draws = 1;               ///< [1..16] runs on perturbed frames
@@ -55,7 +56,7 @@ struct ExternalDenoiser {
   std::uint64_t seed = 1;
 };
 
-/// What another denoiser made of the frame moved by `perturbation`.
+/// What another denoiser made of the frame moved by `perturbation`; of another one it is refused.
 struct ExternalDraw {
   Perturbation perturbation;
   std::array<ConstPlaneView, 3> image;

@@ -90,8 +90,8 @@ struct StageSeconds {
 struct FilterShare {
   std::string name;
   double weight = 0;  ///< mean over the image of its weight in the mixture
-  /// Estimated of its picture alone, as DenoiseReport::mean_relative_error of the mixture (docs/risk.md); at least so
-  /// much where the weight is 0. None where `strength` is not 1.
+  /// Estimated of its picture alone, as DenoiseReport::mean_relative_error of the mixture (docs/risk.md); a lower bound
+  /// as far as it has no weight. None where `strength` is not 1.
   std::optional<double> mean_relative_error;
   std::string risk;         ///< the risk estimate that was used, such as "joint SURE"
   std::string risk_reason;  ///< why that one

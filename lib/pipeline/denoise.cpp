@@ -178,7 +178,9 @@ std::vector<Picture> external_pictures(Run& run) {
   std::vector<Picture> pictures;
   for (const ExternalCandidate& candidate : run.params.candidates) {
     run.clock.measure("external", [&] {
-      pictures.push_back({external_picture(run.given, candidate, run.runner, kMainShare * kExternalShare), Plane()});
+      pictures.push_back(
+          {external_picture(run.given, candidate, run.runner, kMainShare * kExternalShare, run.result.report.warnings),
+           Plane()});
       take_outlier_energy(run, pictures.back().rows);
     });
   }

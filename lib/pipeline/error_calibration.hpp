@@ -25,7 +25,8 @@ class ErrorCalibration {
 
   /// Fits: the mean errors of bins of the predictor, scaled so that their mean over all pixels lies between those of
   /// likely (`evidence` 0) and risk (1), see MeanError. They are made ascending and >= 0 by pooling neighbours
-  /// (isotonic regression), which leaves their mean as it is as far as that is >= 0.
+  /// (isotonic regression), which leaves their mean as it is as far as that is >= 0. Where the bins' own evidence adds
+  /// up to 0 or less, what is likely of each is scaled.
   void fit(double evidence);
 
   /// The error for a predictor, after fit(): between the centres of bins, linear in the predictor's logarithm.

@@ -83,7 +83,7 @@ void ErrorStages::assess(const Rect& tile, int slot) {
 }
 
 // The mixture of the filtered picture, with what outliers lost, and the input that `strength` t says; its risk; and its
-// error if that of the filtered picture is q D: t^2 q D + 2 t (1 - t) D + (1 - t)^2 v.
+// error if that of the filtered picture is L: t^2 L + 2 t (1 - t) D + (1 - t)^2 v.
 void ErrorStages::assess_row(const Rect& tile, int y, float* lines) {
   const int n = tile.width();
   const auto line = [&](int i) { return lines + i * geometry_.tile_width; };
@@ -108,8 +108,8 @@ void ErrorStages::assess_row(const Rect& tile, int y, float* lines) {
     energy_.add_divergence(c, y, tile.x0, n, 1.0F, own);
     for (int i = 0; i < n; ++i) {
       D[i] = strength * own[i] + (1.0F - strength) * variance[i];
-      likely[i] =
-          strength * (kErrorOfDivergence * strength * own[i] + (1.0F - strength) * own[i]) + (1.0F - strength) * D[i];
+      likely[i] = strength * (strength * likely_error(own[i], variance[i]) + (1.0F - strength) * own[i]) +
+                  (1.0F - strength) * D[i];
     }
     float* risk = risks_.row(c, y) + tile.x0;
     sure_row(F, D, mean, variance, n, risk);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <set>
 #include <string>
 #include <utility>
@@ -56,14 +55,16 @@ class Pictures {
         lines_(static_cast<std::size_t>(runner.slots()),
                std::vector<float>(6 * static_cast<std::size_t>(frame_.width))) {}
 
-  exec::RowRing make() {
+  exec::RowRing make(std::vector<std::string>& warnings) {
     take_image(answer(nullptr).image);
     if (layer_channels(frame_) > 0) take_layers(std::get<ExternalImages>(candidate_.source).layers);
     for (int draw = 0; draw < draws_of(candidate_); ++draw) {
       const Perturbation perturbation = perturbation_of(draw);
       const Followed followed =
           add_draw(answer(&perturbation, draw).image, given_.perturbed(perturbation), perturbation.step);
-      if (candidate_.name != kSecondPass) require_followed(followed, perturbation);
+      if (candidate_.name == kSecondPass) continue;  // stein's own, of the right frame by construction
+      if (followed.is_by_chance()) refuse_chance(perturbation);
+      if (followed.is_still() && draw == 0) warn_of_stillness(warnings);
     }
     return std::move(rows_);
   }
@@ -172,14 +173,22 @@ class Pictures {
     return all;
   }
 
-  void require_followed(const Followed& followed, const Perturbation& perturbation) const {
-    if (!followed.is_by_chance()) return;
-    char share[16];
-    std::snprintf(share, sizeof share, "%.1f", 100.0 * followed.share());
-    refuse(candidate_, "its image of a perturbed frame follows the perturbation at " + std::string(share) +
-                           " % of the pixels, which is chance: it was not made of this frame with draw " +
-                           std::to_string(perturbation.draw) + " of seed " + std::to_string(perturbation.seed) +
-                           "; perturb anew, and give the images in the order of their draws");
+  [[noreturn]] void refuse_chance(const Perturbation& perturbation) const {
+    const std::string draw =
+        "draw " + std::to_string(perturbation.draw) + " of seed " + std::to_string(perturbation.seed);
+    if (std::holds_alternative<ExternalImages>(candidate_.source)) {
+      refuse(candidate_, "its image of a perturbed frame has nothing to do with the perturbation: it was not made of " +
+                             draw + " of this frame; perturb anew, and give the images in the order of their draws");
+    }
+    refuse(candidate_, "what it makes of " + draw +
+                           " has nothing to do with the perturbation; it has to denoise the frame that it is handed, "
+                           "and to do the same for the same");
+  }
+
+  void warn_of_stillness(std::vector<std::string>& warnings) const {
+    warnings.push_back("the candidate '" + candidate_.name +
+                       "' does not change with the frame, and is taken to have none of its noise; if it is a "
+                       "denoiser's image, have it denoise the perturbed frame");
   }
 
   const Source& given_;
@@ -200,8 +209,8 @@ int draws_of(const ExternalCandidate& candidate) noexcept {
 }
 
 exec::RowRing external_picture(const Source& given, const ExternalCandidate& candidate, exec::Runner& runner,
-                               double progress_weight) {
-  return Pictures(given, candidate, runner, progress_weight).make();
+                               double progress_weight, std::vector<std::string>& warnings) {
+  return Pictures(given, candidate, runner, progress_weight).make(warnings);
 }
 
 void check(const ExternalCandidate& candidate) {
@@ -221,12 +230,13 @@ void check_candidates(const DenoiseParams& params) {
   const std::size_t pictures = params.filters.size() + params.candidates.size() + (params.second_pass ? 1 : 0);
   require_in_range("the number of filters and external candidates", static_cast<float>(pictures), 1.0F, kMaxFilters);
   std::set<std::string> names;
+  for (const FilterSpec& filter : params.filters) names.emplace(filter_name(filter));
   if (params.second_pass) names.insert(kSecondPass);
   for (const ExternalCandidate& candidate : params.candidates) {
     check(candidate);
     if (names.insert(candidate.name).second) continue;
-    throw Error(ErrorCode::kInvalidArgument,
-                "two external candidates are called '" + candidate.name + "'; give each a name of its own");
+    throw Error(ErrorCode::kInvalidArgument, "an external candidate and a filter, or another candidate, are called '" +
+                                                 candidate.name + "'; give each a name of its own");
   }
 }
 

@@ -3,6 +3,9 @@
 // The picture of an external candidate: its image of the frame, and its divergence from those of perturbed frames.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "exec/buffers.hpp"
 #include "exec/runner.hpp"
 #include "prefilter/source.hpp"
@@ -12,11 +15,12 @@
 namespace stein {
 
 /// Planes of the whole image as in MixtureRows. `given`: the frame without outliers scaled down, as the
-/// candidate saw it. Pixels without usable colour are filled from their neighbours.
-/// @throws Error kInvalidArgument naming the candidate for images of another size, or that hold what is no colour where
-/// the frame has one; kCancelled; what the denoiser throws.
+/// candidate saw it. Pixels without usable colour are filled from their neighbours. `warnings` gets what is doubtful.
+/// @throws Error kInvalidArgument naming the candidate for images of another size, that hold what is no colour where
+/// the frame has one, or that do not follow the perturbation; kCancelled; what the denoiser throws.
 [[nodiscard]] exec::RowRing external_picture(const Source& given, const ExternalCandidate& candidate,
-                                             exec::Runner& runner, double progress_weight);
+                                             exec::Runner& runner, double progress_weight,
+                                             std::vector<std::string>& warnings);
 
 /// All of them together, with the filters. @throws Error kInvalidArgument.
 void check_candidates(const DenoiseParams& params);

@@ -9,11 +9,12 @@
 namespace stein {
 namespace {
 
-double row_distance(const float* F, const float* B, int count) {
+// `own`: of the mixture, without what outliers lost, as F.
+double row_distance(const float* F, const float* own, const float* mixture, int count) {
   double sum = 0;
   for (int i = 0; i < count; ++i) {
-    const float difference = F[i] - B[i];
-    sum += static_cast<double>(difference * difference / (B[i] * B[i] + kRelativeEpsilon));
+    const float difference = F[i] - own[i];
+    sum += static_cast<double>(difference * difference / (mixture[i] * mixture[i] + kRelativeEpsilon));
   }
   return sum;
 }
@@ -30,14 +31,13 @@ std::vector<double> distances_from_mixture(const std::vector<MixtureRows>& pictu
   std::vector<std::vector<float>> lines(static_cast<std::size_t>(runner.slots()),
                                         std::vector<float>(static_cast<std::size_t>(width)));
   runner.for_each(height, 0.0, [&](int y, int slot) {
-    float* F = lines[static_cast<std::size_t>(slot)].data();
-    for (std::size_t p = 0; p < pictures.size(); ++p) {
-      double& sum = sums[p * rows + static_cast<std::size_t>(y)];
-      for (int c = 0; c < 3; ++c) {
-        std::copy_n(pictures[p].result(c, y), width, F);
-        energy.add_colour(c, y, 0, width, 1.0F, F);
-        sum += row_distance(F, mixture[static_cast<std::size_t>(c)].row(y), width);
-      }
+    float* own = lines[static_cast<std::size_t>(slot)].data();
+    for (int c = 0; c < 3; ++c) {
+      const float* B = mixture[static_cast<std::size_t>(c)].row(y);
+      std::copy_n(B, width, own);
+      energy.add_colour(c, y, 0, width, -1.0F, own);
+      for (std::size_t p = 0; p < pictures.size(); ++p)
+        sums[p * rows + static_cast<std::size_t>(y)] += row_distance(pictures[p].result(c, y), own, B, width);
     }
   });
   std::vector<double> means;

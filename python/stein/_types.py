@@ -67,7 +67,7 @@ class Options(TypedDict, total=False):
 
 
 class FilterShare(TypedDict):
-    """The part of a filter, or of a candidate, in the result."""
+    """The part of a filter, or of a candidate, in the mixture; its error alone, None where the strength is not 1."""
 
     name: str
     weight: float

@@ -151,6 +151,29 @@ TEST_CASE("denoise: every filter runs with every risk that it has, and the repor
   }
 }
 
+TEST_CASE("denoise: the error of each filter's picture alone, where there are several") {
+  const TemporaryFolder folder;
+  write(folder / "noisy.exr", noisy_image(kWidth, kHeight));
+  const auto told = [&](const std::vector<std::string>& options, bool in_text) {
+    std::vector<std::string> arguments = {"denoise", folder / "noisy.exr",  "-o", folder / "o.exr",
+                                          "--json",  folder / "report.json"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const Outcome outcome = run_stein(arguments);
+    REQUIRE(outcome.exit_code == 0);
+    CHECK((outcome.out.find(" alone\n") != std::string::npos) == in_text);
+    std::ifstream file(folder / "report.json");
+    return nlohmann::json::parse(file);
+  };
+  const std::string key = "mean_estimated_relative_error";
+  const nlohmann::json report = told({"--filter", "gaussian,cross-bilateral"}, true);
+  REQUIRE(report.at("filters").size() == 2);
+  for (const nlohmann::json& filter : report.at("filters"))
+    CHECK(filter.at(key).get<double>() >= report.at(key).get<double>());
+  CHECK(told({"--filter", "gaussian"}, false).at("filters").at(0).at(key).get<double>() > 0);
+  const nlohmann::json mixed = told({"--filter", "gaussian,cross-bilateral", "--strength", "0.5"}, false);
+  for (const nlohmann::json& filter : mixed.at("filters")) CHECK_FALSE(filter.contains(key));
+}
+
 TEST_CASE("denoise: a risk that filter or file do not allow is an error that says so") {
   const TemporaryFolder folder;
   write(folder / "noisy.exr", noisy_image(kWidth, kHeight));

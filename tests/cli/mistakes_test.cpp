@@ -198,7 +198,7 @@ TEST_CASE("mistakes in arguments") {
        {"a candidate and another perturbation",
         "denoise noisy.exr -o out.exr --candidate noisy.exr --candidate-perturbed redrawn.exr",
         2,
-        {"candidate 'noisy'", "% of the pixels, which is chance", "draw 0 of seed 1", "perturb anew"}},
+        {"candidate 'noisy'", "nothing to do with the perturbation", "draw 0 of seed 1", "perturb anew"}},
        {"a candidate and layers",
         "denoise noisy.exr -o out.exr --candidate flat.exr --candidate-perturbed flat.exr --layers id.Z",
         2,

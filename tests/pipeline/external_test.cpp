@@ -111,7 +111,9 @@ TEST_CASE("external: the divergence of a linear filter is its weight of the pixe
   const Source source(frame, inspect(frame));
   exec::Runner runner(Execution{});
   constexpr int kDraws = 16;
-  const exec::RowRing rows = external_picture(source, candidate(box, kDraws), runner, 0.0);
+  std::vector<std::string> warnings;
+  const exec::RowRing rows = external_picture(source, candidate(box, kDraws), runner, 0.0, warnings);
+  CHECK(warnings.empty());
   const MixtureRows picture(rows);
   const Image F = box(frame);
   // Every draw's term has a mean of v / n, and from the eight neighbours b_p sum b_q / n a standard deviation of about
@@ -285,8 +287,8 @@ TEST_CASE("external: one that does not follow the perturbation is refused, if th
   for (const Perturbation& other : {Perturbation{1, 1, kExternalStep}, Perturbation{2, 0, kExternalStep}}) {
     const std::string message = told(box, right, other);
     INFO(message);
-    for (const char* part : {"'other'", "draw 0 of seed 1", "chance"}) CHECK(contains(message, part));
-    // Of as many pixels as this image has, a mean of a 128th is nothing that signs could show.
+    for (const char* part : {"'other'", "draw 0 of seed 1 of this frame", "perturb anew"})
+      CHECK(contains(message, part));
     const auto row = [](const Frame& given) {
       return image_of(given.width, given.height, [&](std::size_t c, int, int y) {
         double sum = 0;
@@ -294,16 +296,59 @@ TEST_CASE("external: one that does not follow the perturbation is refused, if th
         return sum / given.width;
       });
     };
-    CHECK(told(row, right, other).empty());
+    CHECK(contains(told(row, right, other), "draw 0 of seed 1"));
+    const auto whole = [](const Frame& given) {  // the image is too small to show that
+      double sums[3] = {};
+      for (std::size_t c = 0; c < 3; ++c) {
+        for (int y = 0; y < given.height; ++y) {
+          for (int x = 0; x < given.width; ++x) sums[c] += given.colour[c].at(x, y);
+        }
+      }
+      return image_of(given.width, given.height,
+                      [&](std::size_t c, int, int) { return sums[c] / (given.width * given.height); });
+    };
+    CHECK(told(whole, right, other).empty());
     const auto input = [](const Frame& given) {
       return image_of(given.width, given.height, [&](std::size_t c, int x, int y) { return given.colour[c].at(x, y); });
     };
-    CHECK(contains(told(input, right, other), "chance"));
+    CHECK(contains(told(input, right, other), "draw 0 of seed 1"));
     const auto constant = [](const Frame& given) {
       return image_of(given.width, given.height, [](std::size_t, int, int) { return 0.5; });
     };
     CHECK(told(constant, right, other).empty());
+    for (const Perturbation& made_of : {right, other}) CHECK(told(constant, right, made_of).empty());
+    CHECK(told(row, right, right).empty());
+    CHECK(told(input, right, right).empty());
   }
+  // The second of two draws is another one's; and a function that is random.
+  const Image image = box(frame);
+  const Image moved = answers(box, right);
+  const ExternalImages twice{views(image), {{right, views(moved)}, {{1, 1, kExternalStep}, views(moved)}}, {}};
+  CHECK(contains(refusal_of(frame, params_with({{"other", twice}})), "draw 1 of seed 1"));
+  Random random(3);
+  const auto dithered = [&](const Frame& given) {
+    return image_of(given.width, given.height,
+                    [&](std::size_t c, int x, int y) { return given.colour[c].at(x, y) + 0.5 * random.normal(); });
+  };
+  const std::string message = refusal_of(frame, params_with({candidate(dithered)}));
+  INFO(message);
+  CHECK(contains(message, "the same for the same"));
+}
+
+TEST_CASE("external: an image that does not change with the frame is taken, with a warning") {
+  NoisyScene scene({});
+  scene.draw();
+  const Image image = box(scene.frame());
+  const auto views = std::array<ConstPlaneView, 3>{image[0].view(), image[1].view(), image[2].view()};
+  const auto warned = [&](const DenoiseParams& params) {
+    const std::vector<std::string> warnings = denoise(scene.frame(), params).report.warnings;
+    return std::count_if(warnings.begin(), warnings.end(), [](const std::string& warning) {
+      return contains(warning, "'other' does not change with the frame");
+    });
+  };
+  const ExternalImages same{views, {{{1, 0, kExternalStep}, views}, {{1, 1, kExternalStep}, views}}, {}};
+  CHECK(warned(params_with({{"other", same}})) == 1);
+  CHECK(warned(params_with({candidate(box)})) == 0);
 }
 
 TEST_CASE("external: of each picture the error that it has more than the mixture") {
@@ -459,7 +504,8 @@ TEST_CASE("external: candidates that cannot be are refused before any work") {
   denoiser.step = 3;
   CHECK(contains(refused({"x", denoiser}), "step"));
   denoiser.step = kExternalStep;
-  CHECK(contains(refusal(frame, params_with({{"x", denoiser}, {"x", denoiser}})), "two external candidates"));
+  CHECK(contains(refusal(frame, params_with({{"x", denoiser}, {"x", denoiser}})), "called 'x'"));
+  CHECK(contains(refusal(frame, params_with({{"cross-bilateral", denoiser}})), "called 'cross-bilateral'"));
   std::vector<ExternalCandidate> many;
   for (int i = 0; i < kMaxFilters; ++i) many.push_back({std::to_string(i), denoiser});
   CHECK(contains(refusal(frame, params_with(many)), "filters and external candidates"));
