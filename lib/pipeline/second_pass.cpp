@@ -18,7 +18,7 @@ constexpr double kSecondShare = 0.12;
 
 // What the first pass left is alike among neighbours, and patches of it differ by more than its variance says: times so
 // much. With 1 cornell at 8 samples has a relMSE of .00096 in place of .00089, with 2.5 veach .00254 in place of
-// .00250; the other renders differ by 1 %.
+// .00249; the other renders differ by 1 %.
 constexpr float kLikeNeighbours = 1.5F;
 
 class Passes {
