@@ -104,9 +104,10 @@ struct DenoiseReport {
   std::vector<std::string> candidates;  ///< entry names; index = value of the choice plane; 0 is the unfiltered input
   std::vector<double> choice_share;     ///< fraction of pixels whose largest weight is that entry's
   std::vector<FilterShare> filters;     ///< one for each filter, then for each external candidate, in their order
-  std::array<double, 3> mean_error{};   ///< mean over the image of the estimated squared error, per channel, >= 0
-  double mean_relative_error = 0;       ///< the same of error / (result^2 + 0.01), over all channels
-  std::vector<std::string> warnings;    ///< in words, for people
+  /// Mean over the pixels that have a usable colour of the estimated squared error, per channel, >= 0.
+  std::array<double, 3> mean_error{};
+  double mean_relative_error = 0;     ///< the same of error / (result^2 + 0.01), over all channels
+  std::vector<std::string> warnings;  ///< in words, for people
   std::vector<StageSeconds> stages;
   std::string instruction_set;     ///< of the kernels, such as "AVX3"
   std::int64_t scratch_bytes = 0;  ///< of scratch files that Execution::memory needed so far

@@ -207,7 +207,7 @@ void tell_errors(Run& run, const std::vector<Picture>& pictures) {
   if (run.params.strength != 1.0F) return;
   std::vector<MixtureRows> rows;
   for (const Picture& picture : pictures) rows.emplace_back(picture.rows);
-  const std::vector<double> more = distances_from_mixture(rows, run.result.colour, run.energy, run.runner);
+  const std::vector<double> more = distances_from_mixture(rows, run.result.colour, run.source, run.energy, run.runner);
   DenoiseReport& report = run.result.report;
   for (std::size_t p = 0; p < more.size(); ++p)
     report.filters[p].mean_relative_error = report.mean_relative_error + more[p];

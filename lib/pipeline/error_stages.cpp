@@ -18,7 +18,7 @@ const std::vector<int> kErrorSteps = {1, 2, 4};
 constexpr float kSmoothingSigmaScale = 2.0F;  // of the features: each pass weighs edges anew
 constexpr int kNoiseMap = 3;                  // after the predictors of the channels
 constexpr int kLikelyErrors = 3;              // after the relative risks
-constexpr std::size_t kLines = 5;
+constexpr std::size_t kLines = 6;
 constexpr int kArea = 32;  // px: the units of the means' standard errors, wide enough for neighbours that err together
 constexpr int kBlocksOfArea = kArea / kSumBlock;
 static_assert(kArea % kSumBlock == 0);
@@ -92,6 +92,8 @@ void ErrorStages::assess_row(const Rect& tile, int y, float* lines) {
   float* D = line(2);
   float* likely = line(3);
   float* own = line(4);
+  float* mask = line(5);
+  source_.mask_row(y, tile.x0, n, mask);
   const float strength = params_.strength;
   for (int c = 0; c < 3; ++c) {
     const auto channel = static_cast<std::size_t>(c);
@@ -113,7 +115,7 @@ void ErrorStages::assess_row(const Rect& tile, int y, float* lines) {
     }
     float* risk = risks_.row(c, y) + tile.x0;
     sure_row(F, D, mean, variance, n, risk);
-    add_to_means(tile, c, y, F, likely, risk);
+    add_to_means(tile, c, y, mask, F, likely, risk);
     float* relative_likely = risks_.row(kLikelyErrors + c, y) + tile.x0;
     float* predictor = predictors_.row(c, y) + tile.x0;
     for (int i = 0; i < n; ++i) {
@@ -130,10 +132,12 @@ void ErrorStages::assess_row(const Rect& tile, int y, float* lines) {
   }
 }
 
-void ErrorStages::add_to_means(const Rect& tile, int channel, int y, const float* F, const float* likely,
-                               const float* risk) {
+// Of pixels that were measured: of a filled one there is nothing that its value could be compared with.
+void ErrorStages::add_to_means(const Rect& tile, int channel, int y, const float* mask, const float* F,
+                               const float* likely, const float* risk) {
   Sums* sums = sums_[static_cast<std::size_t>(channel)].data() + row_start(y);
   for (int i = 0; i < tile.width(); ++i) {
+    if (mask[i] == 0.0F) continue;
     Sums& block = sums[(tile.x0 + i) / kSumBlock];
     const double weight = 1.0 / (static_cast<double>(F[i]) * F[i] + kRelativeEpsilon);
     block.risk += risk[i];
@@ -196,23 +200,34 @@ ErrorStages::Sums ErrorStages::area_sums(std::size_t channel, int column, int ro
   return area;
 }
 
+// Measured pixels of areas in a row of these.
+std::vector<double> ErrorStages::area_pixels(int row) const {
+  std::vector<float> mask(static_cast<std::size_t>(geometry_.width));
+  std::vector<double> pixels(static_cast<std::size_t>((geometry_.width + kArea - 1) / kArea), 0.0);
+  for (int y = row * kArea; y < std::min((row + 1) * kArea, geometry_.height); ++y) {
+    source_.mask_row(y, 0, geometry_.width, mask.data());
+    for (std::size_t x = 0; x < mask.size(); ++x) pixels[x / kArea] += mask[x] != 0.0F ? 1.0 : 0.0;
+  }
+  return pixels;
+}
+
 // Returns how far the relative error goes from what is likely to its risk.
 double ErrorStages::report_means() {
   std::array<MeanError, 3> errors;
   MeanError relative_error;
   for (int row = 0; row * kArea < geometry_.height; ++row) {
-    const int rows = std::min(kArea, geometry_.height - row * kArea);
+    const std::vector<double> pixels = area_pixels(row);
     if (source_.memory() != nullptr) source_.memory()->trim();
     for (int column = 0; column * kArea < geometry_.width; ++column) {
-      const double pixels = static_cast<double>(rows) * std::min(kArea, geometry_.width - column * kArea);
+      const double count = pixels[static_cast<std::size_t>(column)];
       Sums all;
       for (std::size_t c = 0; c < 3; ++c) {
         const Sums area = area_sums(c, column, row);
-        errors[c].add(area.risk, area.likely, pixels);
+        errors[c].add(area.risk, area.likely, count);
         all.relative_risk += area.relative_risk;
         all.relative_likely += area.relative_likely;
       }
-      relative_error.add(all.relative_risk, all.relative_likely, 3.0 * pixels);
+      relative_error.add(all.relative_risk, all.relative_likely, 3.0 * count);
     }
   }
   for (std::size_t c = 0; c < 3; ++c) result_.report.mean_error[c] = errors[c].mean();

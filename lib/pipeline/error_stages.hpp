@@ -50,8 +50,10 @@ class ErrorStages {
   void add_passes();
   void assess(const Rect& tile, int slot);
   void assess_row(const Rect& tile, int y, float* lines);
-  void add_to_means(const Rect& tile, int channel, int y, const float* F, const float* likely, const float* risk);
+  void add_to_means(const Rect& tile, int channel, int y, const float* mask, const float* F, const float* likely,
+                    const float* risk);
   void collect(const Rect& tile, int slot);
+  [[nodiscard]] std::vector<double> area_pixels(int row) const;
   [[nodiscard]] double report_means();
   [[nodiscard]] std::size_t row_start(int y) const noexcept {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(blocks_);
