@@ -126,9 +126,8 @@ void print_filters(const DenoiseReport& report) {
   }
 }
 
-constexpr double kClearWeight = 0.01;  // below it an error of a picture alone is a lower bound in most of the image
-
 void print_errors(const DenoiseReport& report) {
+  constexpr double kClearWeight = 0.01;  // below it an error of a picture alone is a lower bound in most of the image
   std::printf("%-9s mean squared error %.4g %.4g %.4g (R G B), relative %.4g\n", "estimated", report.mean_error[0],
               report.mean_error[1], report.mean_error[2], report.mean_relative_error);
   if (report.filters.size() < 2) return;

@@ -58,14 +58,16 @@ class Pictures {
   exec::RowRing make(std::vector<std::string>& warnings) {
     take_image(answer(nullptr).image);
     if (layer_channels(frame_) > 0) take_layers(std::get<ExternalImages>(candidate_.source).layers);
+    bool is_still = false;
     for (int draw = 0; draw < draws_of(candidate_); ++draw) {
       const Perturbation perturbation = perturbation_of(draw);
       const Followed followed =
           add_draw(answer(&perturbation, draw).image, given_.perturbed(perturbation), perturbation.step);
       if (candidate_.name == kSecondPass) continue;  // stein's own, of the right frame by construction
       if (followed.is_by_chance()) refuse_chance(perturbation);
-      if (followed.is_still() && draw == 0) warn_of_stillness(warnings);
+      is_still = is_still || followed.is_still();
     }
+    if (is_still) warn_of_stillness(warnings);
     return std::move(rows_);
   }
 

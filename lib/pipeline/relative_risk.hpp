@@ -2,10 +2,9 @@
 #pragma once
 
 #include "filters/filter.hpp"
+#include "risk/sure.hpp"
 
 namespace stein {
-
-inline constexpr float kRelativeEpsilon = 0.01F;  ///< of relative MSE, SBF sec. 5.2
 
 /// Pixels of a row that are summed together, so that sums do not depend on tiles, which are made of whole blocks.
 inline constexpr int kSumBlock = 16;

@@ -3,10 +3,11 @@
 
 #include <cmath>
 
+#include "risk/sure.hpp"
+
 namespace stein {
 namespace {
 
-constexpr double kEpsilon = 0.01;  // of the squared image
 // Standard deviations. Of OIDN's images of 11 renders, and of parts of 48 to 160 px, those of which 10 can be expected
 // have 14 or more; with another draw none has more than 2.2.
 constexpr double kExpected = 10.0;
@@ -23,7 +24,7 @@ void Followed::add_row(const float* const b[3], const float* const F[3], const f
       const double image = F[c][i];
       const double movement = F_moved[c][i] - image;
       if (perturbation == 0.0 || !std::isfinite(movement)) continue;
-      const double weight = 1.0 / (image * image + kEpsilon);
+      const double weight = 1.0 / (image * image + kRelativeEpsilon);
       product += weight * perturbation * movement;
       moved_ += weight * movement * movement;
       is_perturbed_ = true;

@@ -6,6 +6,8 @@
 
 namespace stein {
 
+inline constexpr float kRelativeEpsilon = 0.01F;  ///< of relative MSE, SBF sec. 5.2
+
 /// out = (F - y)^2 + 2 D - v: SBF Eq. 2 for one channel. y: input mean; v: its variance (of the mean); D: the filter's
 /// divergence term (filters/filter.hpp). Which risk this is depends on D alone: plain SURE where D is v dF/dy, joint
 /// SURE where it holds the covariances too, Monte Carlo where it was measured by perturbing the input.

@@ -2,7 +2,6 @@
 #include "risk/followed.hpp"
 
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <vector>
 
@@ -30,8 +29,8 @@ struct Line {
   }
 };
 
-// Of noise whose deviation is exp(spread n), n normal: its mean over 2 `radius` + 1 pixels, without the pixel itself if
-// it is blind; made of `perturbation`, or of another one.
+// Of noise whose deviation is 0.2 exp(spread n), n normal: its mean over 2 `radius` + 1 pixels, without the pixel
+// itself if it is blind; if it is not right, that of other noise of the same deviations.
 Line line_of(int pixels, int radius, double spread, bool is_right, bool is_blind = false) {
   Random random(11);
   const auto count = static_cast<std::size_t>(pixels);
