@@ -12,16 +12,17 @@ namespace {
 
 constexpr float kBinsPerOctave = 2.0F;
 constexpr float kLeast = 0x1p-32F;         // centre of the first bin, and all that is less
-constexpr double kUnitsPerRisk = 0x1p24;   // sums of 1e9 pixels of relative risk 1 fit, and 6e-8 is not lost
-constexpr float kMostRisk = 1e4F;          // one pixel's
+constexpr double kUnitsPerRisk = 0x1p24;   // 6e-8 is not lost
+constexpr double kMostRisk = 1e4;          // one pixel's, or less in images of so many that the sums would not fit
+constexpr double kMostUnits = 0x1p62;      // of a sum
 constexpr double kUnitsPerSquare = 0x1p4;  // squares are mostly above 1, as many pixels are averaged
 constexpr float kMostRatio = 0x1p28F;      // whose square is summed
 constexpr std::int64_t kMostSquares = std::int64_t{1} << 61;  // sums stay there, whatever the order of their terms
 constexpr double kTogether = 2.0;                             // times the sum of squares: neighbours err together
 constexpr std::int64_t kFewestPixels = 64;                    // of what stands for itself
 
-std::int64_t units(float risk) noexcept {
-  return static_cast<std::int64_t>(static_cast<double>(std::clamp(risk, -kMostRisk, kMostRisk)) * kUnitsPerRisk);
+std::int64_t units(float risk, float most) noexcept {
+  return static_cast<std::int64_t>(static_cast<double>(std::clamp(risk, -most, most)) * kUnitsPerRisk);
 }
 
 // Bins that are pooled.
@@ -45,7 +46,10 @@ float ErrorCalibration::position(float predictor) noexcept {
   return std::min(kBinsPerOctave * octaves, static_cast<float>(kBins - 1));
 }
 
-ErrorCalibration::ErrorCalibration(int slots) : tables_(static_cast<std::size_t>(slots)) {
+ErrorCalibration::ErrorCalibration(int slots, std::int64_t pixels)
+    : most_risk_(static_cast<float>(
+          std::min(kMostRisk, kMostUnits / (kUnitsPerRisk * static_cast<double>(std::max<std::int64_t>(pixels, 1)))))),
+      tables_(static_cast<std::size_t>(slots)) {
   for (std::size_t bin = 0; bin < kBins; ++bin)
     centres_[bin] = kLeast * std::exp2(static_cast<float>(bin) / kBinsPerOctave);
 }
@@ -59,8 +63,8 @@ void ErrorCalibration::add(int slot, const float* predictor, const float* risk, 
     const float ratio = std::min(std::abs(risk[i] - likely[i]) / centres_[bin], kMostRatio);
     const auto square = static_cast<std::int64_t>(static_cast<double>(ratio) * ratio * kUnitsPerSquare);
     table.squares[bin] = std::min(table.squares[bin] + square, kMostSquares);
-    table.risk[bin] += units(risk[i]);
-    table.likely[bin] += units(likely[i]);
+    table.risk[bin] += units(risk[i], most_risk_);
+    table.likely[bin] += units(likely[i], most_risk_);
     ++table.pixels[bin];
   }
 }

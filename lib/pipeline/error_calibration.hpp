@@ -15,8 +15,8 @@ namespace stein {
 
 class ErrorCalibration {
  public:
-  /// `slots`: threads that may add at the same time.
-  explicit ErrorCalibration(int slots);
+  /// `slots`: threads that may add at the same time; `pixels`: as many are added at most.
+  ErrorCalibration(int slots, std::int64_t pixels);
 
   /// Pixels of a row: their predictors (any numbers >= 0), relative risks and likely relative errors, where `mask` is
   /// not 0. Sums are kept as integers, so that the order of the calls does not matter.
@@ -43,6 +43,7 @@ class ErrorCalibration {
   static float position(float predictor) noexcept;
   [[nodiscard]] std::array<double, kBins> errors_of(const Table& sums, double evidence) const;
 
+  float most_risk_;                     // that a pixel counts with
   std::vector<Table> tables_;           // per slot
   std::array<float, kBins> centres_{};  // predictors
   std::array<float, kBins> errors_{};   // of the centres

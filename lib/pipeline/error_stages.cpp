@@ -43,7 +43,7 @@ ErrorStages::ErrorStages(const Source& source, const LayerSource& layers, const 
       geometry_(geometry),
       blocks_((geometry.width + kSumBlock - 1) / kSumBlock),
       result_(result),
-      calibrations_{ErrorCalibration(slots), ErrorCalibration(slots), ErrorCalibration(slots)} {
+      calibrations_(3, ErrorCalibration(slots, std::int64_t{geometry.width} * geometry.height)) {
   for (int c = 0; c < 3; ++c) sums_.emplace_back(row_start(geometry.height), source.memory());
   lines_.assign(static_cast<std::size_t>(slots),
                 std::vector<float>(kLines * static_cast<std::size_t>(geometry.tile_width)));

@@ -71,12 +71,12 @@ class ErrorStages {
   int blocks_;  // of kSumBlock pixels in a row
   DenoiseResult& result_;
   std::vector<std::unique_ptr<exec::RowRing>> rings_;
-  MapRows risks_;              // relative, per channel; and the likely relative errors
-  MapRows predictors_;         // of the error, per channel; and the noise where the density wants it
-  MapRows smooth_predictors_;  // the same, smoothed
-  std::array<ErrorCalibration, 3> calibrations_;
-  std::vector<LargeArray<Sums>> sums_;     // per channel: over blocks of 16 pixels of a row
-  std::vector<std::vector<float>> lines_;  // per slot: rows as wide as a tile
+  MapRows risks_;                               // relative, per channel; and the likely relative errors
+  MapRows predictors_;                          // of the error, per channel; and the noise where the density wants it
+  MapRows smooth_predictors_;                   // the same, smoothed
+  std::vector<ErrorCalibration> calibrations_;  // per channel
+  std::vector<LargeArray<Sums>> sums_;          // per channel: over blocks of 16 pixels of a row
+  std::vector<std::vector<float>> lines_;       // per slot: rows as wide as a tile
   std::vector<exec::RowStage> list_;
 };
 

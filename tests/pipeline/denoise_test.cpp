@@ -103,6 +103,38 @@ TEST_CASE("denoise: strength 0 is the input to the bit, and the error that of th
   CHECK(half.report.mean_error[1] == Approx(scene.mse(half)).epsilon(0.12));
 }
 
+// Up to 32 pixels wide and high, no risk is evidence enough: what is reported lies within a tenth of what is likely.
+TEST_CASE("denoise: with a strength, the divergences of filter and input both count to the error that is likely") {
+  constexpr int kSize = 32;
+  constexpr double kVariance = 0.04;
+  OwnedFrame frame(kSize, kSize, {});
+  Random random(8);
+  for (int y = 0; y < kSize; ++y) {
+    for (int x = 0; x < kSize; ++x) {
+      for (const char* c : {"R", "G", "B"}) {
+        // As much signal as noise from pixel to pixel: a good filter keeps some of both.
+        frame.at(c, x, y) = static_cast<float>(1.0 + 0.2 * random.normal() + std::sqrt(kVariance) * random.normal());
+        frame.at(std::string("variance.") + c, x, y) = static_cast<float>(kVariance);
+      }
+    }
+  }
+  DenoiseParams params;
+  params.filters = {GaussianParams{}};
+  const auto reported = [&](float strength) {
+    params.strength = strength;
+    return denoise(frame.frame(), params).report.mean_error[1];
+  };
+  // At strength 1 that is (0.9 + 0.1 d) d v, d the share of the input's divergence that is left.
+  const double whole = reported(1.0F) / kVariance;
+  const double d = (std::sqrt(0.81 + 0.4 * whole) - 0.9) / 0.2;
+  REQUIRE(d > 0.15);
+  REQUIRE(d < 0.85);
+  for (const double t : {0.25, 0.5, 0.75}) {
+    CHECK(reported(static_cast<float>(t)) / kVariance ==
+          Approx(t * t * whole + 2.0 * t * (1.0 - t) * d + (1.0 - t) * (1.0 - t)).epsilon(0.05));
+  }
+}
+
 TEST_CASE("denoise: argmin picks one entry a pixel and evidence is at least as good here") {
   const Scene scene(0.2);
   DenoiseParams params = bank();

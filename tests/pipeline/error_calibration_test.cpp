@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <random>
 #include <vector>
 
@@ -22,7 +23,7 @@ struct Pixels {
     likely.push_back(error);
   }
   [[nodiscard]] ErrorCalibration fitted(double evidence = 1.0) const {
-    ErrorCalibration calibration(1);
+    ErrorCalibration calibration(1, static_cast<std::int64_t>(risks.size()));
     const std::vector<float> mask(risks.size(), 1.0F);
     calibration.add(0, predictors.data(), risks.data(), likely.data(), mask.data(), static_cast<int>(risks.size()));
     calibration.fit(evidence);
@@ -104,6 +105,18 @@ TEST_CASE("error calibration: a few large risks do not speak for a bin, many sma
   CHECK(one.fitted(1.0).error(1e-6F) < 2e-6F);
 }
 
+TEST_CASE("error calibration: sums of an image of any size fit, whatever its risks") {
+  constexpr int kRow = 1 << 16;
+  const std::vector<float> predictors(kRow, 1.0F);
+  const std::vector<float> risks(kRow, 1e20F);
+  const std::vector<float> mask(kRow, 1.0F);
+  ErrorCalibration calibration(2, std::int64_t{kRow} << 11);  // 134 million: 1e4 each would be twice what fits
+  for (int y = 0; y < 1 << 11; ++y)
+    calibration.add(y % 2, predictors.data(), risks.data(), risks.data(), mask.data(), kRow);
+  calibration.fit(1.0);
+  CHECK(calibration.error(1.0F) == Approx(2048.0));
+}
+
 TEST_CASE("error calibration: few pixels do not stand for themselves") {
   Pixels pixels;
   for (int i = 0; i < 1000; ++i) pixels.add(0.01F, 1.0F);
@@ -125,7 +138,7 @@ TEST_CASE("error calibration: the order of pixels and the slots make no differen
   for (int i = 0; i < 4096; ++i)
     pixels.add(std::exp(3.0F * normal(engine)), 1.0F + 5.0F * normal(engine), normal(engine));
   const ErrorCalibration one = pixels.fitted(0.5);
-  ErrorCalibration parts(3);
+  ErrorCalibration parts(3, 4096);
   for (int part = 31; part >= 0; --part) {
     const std::vector<float> mask(128, 1.0F);
     parts.add(part % 3, pixels.predictors.data() + part * 128, pixels.risks.data() + part * 128,
