@@ -36,7 +36,9 @@ double regression_flops(const AdaptiveOrderParams& params) {
   constexpr double kDirections = kernels::kMaxFeatureDimensions;
   constexpr double kDimensions = kernels::kMaxDimensions;
   const double side = 2.0 * params.window_radius + 1.0;
-  const double covariance = 1.0 + 5.0 * kFeatures + kFeatures * (kFeatures + 1.0);
+  // Sums along y of a block's columns and those beside it, then along x.
+  const double window_sums = 1.0 + 2.0 * kFeatures + kFeatures * (kFeatures + 1.0) / 2.0;
+  const double covariance = window_sums * (side - 1.0) * (2.0 + 2.0 * params.window_radius / kernels::kNlmBlockWidth);
   const double eigenvectors = 6.0 * kFeatures * (kFeatures - 1.0) / 2.0 * (18.0 * kFeatures + 15.0);
   const double distances = 29.0 + 54.0;
   const double order = params.orders.back();
@@ -45,7 +47,7 @@ double regression_flops(const AdaptiveOrderParams& params) {
   double sigma = 2.0 * 18.0 + columns * (columns + 8.0);  // weights, normal equations
   for (const int each : params.orders) sigma += 8.0 * each * kDimensions + 13.0;
   const auto sigmas = static_cast<double>(params.range_sigmas.size());
-  return eigenvectors + side * side * (covariance + distances + 2.0 * powers + 15.0 + sigmas * sigma);
+  return covariance + eigenvectors + side * side * (distances + 2.0 * powers + 15.0 + sigmas * sigma);
 }
 
 void run_filter(benchmark::State& state, const FilterSpec& spec, Divergence divergence) {

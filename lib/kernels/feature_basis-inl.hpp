@@ -13,6 +13,7 @@
 
 #include "kernels/local_polynomial.hpp"
 #include "kernels/weights-inl.hpp"
+#include "kernels/window_moments-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace stein::kernels::HWY_NAMESPACE {
@@ -69,68 +70,16 @@ HWY_INLINE void decompose(FloatTag d, EigenSystem& system, int n) {
   }
 }
 
-// Sums over a window, of features less the pixel's own.
-struct WindowSums {
-  HWY_INLINE WindowSums() {}  // NOLINT(modernize-use-equals-default): see Distances
-  FloatVec count;
-  FloatVec first[kMaxRegressionFeatures];
-  FloatVec noise[kMaxRegressionFeatures];
-};
-
-// The sums of products go to the upper triangle of `second`.
-HWY_INLINE void sum_window(FloatTag d, const LocalPolynomialRows& rows, std::ptrdiff_t x, WindowSums& sums,
-                           FloatVec (&second)[kMaxRegressionFeatures][kMaxRegressionFeatures]) {
-  const int n = rows.features;
-  FloatVec own[kMaxRegressionFeatures];
-  sums.count = hn::Zero(d);
-  for (int i = 0; i < n; ++i) {
-    own[i] = hn::LoadU(d, rows.feature[i] + x);
-    sums.first[i] = sums.noise[i] = hn::Zero(d);
-    for (int j = i; j < n; ++j) second[i][j] = hn::Zero(d);
-  }
-  for (int first_tap = 0; first_tap < rows.weights.tap_count; first_tap += kTapBatch) {
-    FloatVec mask[kTapBatch];
-    FloatVec e[kMaxRegressionFeatures][kTapBatch];
-    std::ptrdiff_t at[kTapBatch];
-    for (int t = 0; t < kTapBatch; ++t) {
-      at[t] = x + rows.weights.taps[first_tap + t];
-      const bool is_tap = first_tap + t < rows.weights.tap_count;
-      mask[t] = is_tap ? hn::LoadU(d, rows.weights.guides.mask + at[t]) : hn::Zero(d);
-      sums.count = hn::Add(sums.count, mask[t]);
-    }
-    for (int i = 0; i < n; ++i) {
-      for (int t = 0; t < kTapBatch; ++t) {
-        e[i][t] = hn::Mul(mask[t], hn::Sub(hn::LoadU(d, rows.feature[i] + at[t]), own[i]));  // mask^2 = mask
-        sums.first[i] = hn::Add(sums.first[i], e[i][t]);
-        sums.noise[i] = hn::MulAdd(mask[t], hn::LoadU(d, rows.feature_noise[i] + at[t]), sums.noise[i]);
-      }
-    }
-    for (int i = 0; i < n; ++i) {
-      for (int j = i; j < n; ++j) {
-        FloatVec sum = second[i][j];
-        for (int t = 0; t < kTapBatch; ++t) sum = hn::MulAdd(e[i][t], e[j][t], sum);
-        second[i][j] = sum;
-      }
-    }
-  }
-}
-
-// Covariance of the window's features over the square roots of their noise, `scale` being one over those roots.
-HWY_INLINE void whitened_covariance(FloatTag d, const LocalPolynomialRows& rows, std::ptrdiff_t x, EigenSystem& system,
-                                    FloatVec (&scale)[kMaxRegressionFeatures]) {
-  const int n = rows.features;
-  WindowSums sums;
-  sum_window(d, rows, x, sums, system.matrix);
-  const FloatVec share = hn::Div(hn::Set(d, 1.0F), hn::Max(sums.count, hn::Set(d, 1.0F)));
-  FloatVec mean[kMaxRegressionFeatures];
-  for (int i = 0; i < n; ++i) {
-    mean[i] = hn::Mul(sums.first[i], share);
-    const FloatVec variance = hn::MulAdd(sums.noise[i], share, hn::Set(d, kLeastFeatureVariance));
-    scale[i] = hn::Div(hn::Set(d, 1.0F), hn::Sqrt(variance));
-  }
-  for (int i = 0; i < n; ++i) {
-    for (int j = i; j < n; ++j) {
-      const FloatVec covariance = hn::NegMulAdd(mean[i], mean[j], hn::Mul(system.matrix[i][j], share));
+// Covariance of the window's features over the square roots of their noise, `scale` being one over those roots; for the
+// block's pixels from `pixel` on.
+HWY_INLINE void whitened_covariance(FloatTag d, int features, const WindowMoments& moments, std::ptrdiff_t pixel,
+                                    EigenSystem& system, FloatVec (&scale)[kMaxRegressionFeatures]) {
+  constexpr auto kPixels = static_cast<std::ptrdiff_t>(kNlmBlockPixels);
+  for (int j = 0; j < features; ++j) {
+    const FloatVec noise = hn::LoadU(d, moments.noise + j * kPixels + pixel);
+    scale[j] = hn::Div(hn::Set(d, 1.0F), hn::Sqrt(hn::Add(noise, hn::Set(d, kLeastFeatureVariance))));
+    for (int i = 0; i <= j; ++i) {
+      const FloatVec covariance = hn::LoadU(d, moments.covariance + pair_of_features(i, j) * kPixels + pixel);
       system.matrix[i][j] = system.matrix[j][i] = hn::Mul(covariance, hn::Mul(scale[i], scale[j]));
     }
   }
@@ -139,12 +88,13 @@ HWY_INLINE void whitened_covariance(FloatTag d, const LocalPolynomialRows& rows,
 // basis[r * features + k]: what feature k adds to direction r, whose variance over the window is 1; directions by
 // falling variance in units of the noise, 0 where that is below the threshold. Returns the number of directions that
 // any lane has.
-HWY_INLINE int feature_basis(FloatTag d, const LocalPolynomialRows& rows, std::ptrdiff_t x, float* HWY_RESTRICT basis) {
+HWY_INLINE int feature_basis(FloatTag d, const LocalPolynomialRows& rows, const WindowMoments& moments,
+                             std::ptrdiff_t pixel, float* HWY_RESTRICT basis) {
   const int n = rows.features;
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
   EigenSystem system;
   FloatVec scale[kMaxRegressionFeatures];
-  whitened_covariance(d, rows, x, system, scale);
+  whitened_covariance(d, n, moments, pixel, system, scale);
   decompose(d, system, n);
   const FloatVec threshold = hn::Set(d, rows.noise_threshold);
   FloatVec value[kMaxRegressionFeatures];

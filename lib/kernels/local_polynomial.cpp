@@ -286,11 +286,18 @@ HWY_INLINE void for_each_group(FloatTag d, const LocalPolynomialRows& rows, cons
   }
 }
 
+HWY_INLINE WindowMoments take_moments(int features, Scratch& scratch) {
+  const auto take = [&](int planes) { return scratch.take(kNlmBlockPixels * static_cast<std::size_t>(planes)); };
+  return {take(features), take(features * (features + 1) / 2)};
+}
+
 // Lays out the block's pixels, vector by vector, and finds their directions; returns the number of vectors.
 HWY_INLINE int set_pixels(FloatTag d, const LocalPolynomialRows& rows, const PatchBlock& block, Scratch& scratch,
                           FitPixels* pixels) {
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
   const int sigmas = rows.weights.candidates;
+  const WindowMoments moments = take_moments(rows.features, scratch);
+  if (rows.features > 0) fill_moments(rows, block, moments);
   float* layer_sums = rows.layers.scratch + std::ptrdiff_t{kTapBatch} * kMaxLanes * rows.layers.count;
   const std::ptrdiff_t layers_step = std::ptrdiff_t{kMaxLanes} * sigmas * rows.orders * rows.layers.count;
   int count = 0;
@@ -299,7 +306,7 @@ HWY_INLINE int set_pixels(FloatTag d, const LocalPolynomialRows& rows, const Pat
       FitPixels& p = pixels[count];
       p.x = block.x + k + y * rows.weights.pitch;
       float* basis = scratch.take(static_cast<std::size_t>(kMaxFeatureDimensions * rows.features * lanes));
-      p.dimensions = 2 + (rows.features > 0 ? feature_basis(d, rows, p.x, basis) : 0);
+      p.dimensions = 2 + (rows.features > 0 ? feature_basis(d, rows, moments, kNlmBlockWidth * y + k, basis) : 0);
       p.basis = basis;
       p.sums = scratch.take(static_cast<std::size_t>(sigmas * sums_step(d, rows)));
       p.fits = scratch.take(static_cast<std::size_t>(sigmas * fits_step(d, rows)));

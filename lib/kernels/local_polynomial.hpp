@@ -10,6 +10,7 @@ inline constexpr int kMaxFeatureDimensions = 4;  ///< directions of feature spac
 inline constexpr int kMaxDimensions = 2 + kMaxFeatureDimensions;
 inline constexpr int kMaxOrders = 3;
 inline constexpr int kMaxPolynomialOrder = 5;
+inline constexpr int kMaxRegressionRadius = 20;  ///< of windows
 inline constexpr int kMaxColumns = 1 + kMaxPolynomialOrder * kMaxDimensions;
 /// Added to the features' noise, normalised units: below this a difference is rounding.
 inline constexpr float kLeastFeatureVariance = 1e-6F;
@@ -73,8 +74,10 @@ inline constexpr int kSolutionParts = 4;
 }
 
 [[nodiscard]] constexpr std::size_t local_polynomial_scratch(int range_sigmas, int columns, int orders, int features) {
-  const auto per_pixel = static_cast<std::size_t>(
-      range_sigmas * (normal_equation_sums(columns) + fit_floats(columns, orders)) + kMaxFeatureDimensions * features);
+  const int moments = features + features * (features + 1) / 2;
+  const auto per_pixel =
+      static_cast<std::size_t>(range_sigmas * (normal_equation_sums(columns) + fit_floats(columns, orders)) +
+                               kMaxFeatureDimensions * features + moments);
   return kNlmBlockPixels * (std::size_t{4} * kNlmTapGroup + per_pixel) + kNlmPatchFields * kNlmPatchFloats +
          static_cast<std::size_t>(normal_equation_sums(kMaxColumns) + kMaxColumns) * kMaxLanes;
 }
