@@ -76,7 +76,7 @@ void expect_refusal(const std::string& word, Work&& work) {
 }  // namespace
 
 TEST_CASE("accumulator: moments are those of two passes") {
-  const std::size_t count = GENERATE(2, 3, 16, 1000);
+  const std::size_t count = GENERATE(2U, 3U, 16U, 1000U);
   const std::vector<Sample> samples = draw_samples(count, 11 + count);
   const Moments moments = accumulate(samples, 0, count).moments();
   check_equal(pixel_of(moments.frame()), two_passes(samples), 2e-7);  // what a float can hold

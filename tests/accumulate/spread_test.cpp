@@ -14,7 +14,6 @@ namespace {
 
 constexpr std::size_t kSeeds = 256;
 constexpr int kSamples = 128;
-constexpr int kPixels = 4;
 
 /// Covariance of two series and the variance of that estimate, from the spread of the products.
 struct Estimated {

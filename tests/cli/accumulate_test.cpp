@@ -116,8 +116,8 @@ void check_moments(const std::string& path, const Dump& dump) {
       {"covariance.B.albedo.R", "B", "albedo.R"},
       {"covariance.G.gloss.v", "G", "gloss.v"},
   };
-  for (const auto& [name, a, b] : covariances) {
-    check_plane(path, name, [&](std::size_t p) { return covariance(values(p, a), values(p, b)); });
+  for (const std::array<std::string, 3>& names : covariances) {
+    check_plane(path, names[0], [&](std::size_t p) { return covariance(values(p, names[1]), values(p, names[2])); });
   }
 }
 

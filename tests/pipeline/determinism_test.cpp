@@ -69,7 +69,7 @@ TEST_CASE("denoise: 1, 2 and 5 threads and three tile sizes give identical bits"
 }
 
 TEST_CASE("denoise: windows of rows give the bits of whole images, for every filter") {
-#ifdef __SANITIZE_THREAD__
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
   OwnedFrame frame(20, 400, kUsualFeatures);
 #else
   OwnedFrame frame(37, 700, kUsualFeatures);  // far higher than the windows of one thread with small tiles

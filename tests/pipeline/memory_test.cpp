@@ -55,7 +55,7 @@ class Scene {
 }  // namespace
 
 TEST_CASE("denoise: everything in scratch files gives identical bits, for every filter and for several") {
-#ifdef __SANITIZE_THREAD__
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
   const Scene scene(50, 70);
 #else
   const Scene scene(70, 300);

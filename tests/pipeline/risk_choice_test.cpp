@@ -162,7 +162,7 @@ TEST_CASE("risk: the error of a chosen result is right on average, though the ch
       estimated += result.report.mean_error[c] * scene.width() * scene.height();
       for (int y = 0; y < scene.height(); ++y) {
         for (int x = 0; x < scene.width(); ++x) {
-          const double error = result.colour[c].row(y)[x] - scene.truth(static_cast<int>(c), x, y);
+          const double error = result.colour[c].row(y)[x] - scene.truth(c, x, y);
           truth += error * error;
         }
       }
