@@ -7,7 +7,8 @@
 //
 // symbol              | here                              | Eq.
 // x_i                 | filters/smooth_features.cpp       | sec. 6
-// truncated SVD       | kernels/feature_basis-inl.hpp     | sec. 6
+// truncated SVD       | kernels/window_moments-inl.hpp,   | sec. 6
+//                     | kernels/feature_basis-inl.hpp     |
 // X, W, beta, l_i     | kernels/local_polynomial.cpp      | 4, 7-9
 // bias, variance, MSE | kernels/local_polynomial.cpp      | 11-13, 16
 // order               | the choice of the pipeline        | algorithm 1

@@ -230,8 +230,8 @@ HWY_INLINE void run_block(const CrossNlmRows& rows, std::ptrdiff_t x, int width)
   std::fill_n(sums, static_cast<std::size_t>(sums_step * vectors * rows.rows), 0.0F);
 
   float* layer_batch = rows.layers.scratch;
-  float* layer_sums = layer_batch + std::ptrdiff_t{kTapBatch} * kMaxLanes * rows.layers.count;
-  const std::ptrdiff_t layers_step = std::ptrdiff_t{kMaxLanes} * rows.candidates * rows.layers.count;
+  float* layer_sums = layer_batch + std::ptrdiff_t{kTapBatch} * lanes * rows.layers.count;
+  const std::ptrdiff_t layers_step = std::ptrdiff_t{lanes} * rows.candidates * rows.layers.count;
   std::fill_n(layer_sums, static_cast<std::size_t>(layers_step * vectors * rows.rows), 0.0F);
   const auto layers_at = [&](std::ptrdiff_t vector) {
     return LayerSums{&rows.layers, layer_batch, layer_sums + vector * layers_step};

@@ -72,11 +72,10 @@ inline constexpr std::size_t kNlmPatchFields = 7;  ///< of that size
          kNlmPatchFields * kNlmPatchFloats;
 }
 
-/// Sums of a block, at its shortest vectors of pixels, and one batch of neighbours.
+/// Sums of a block, and one batch of neighbours of its longest vectors.
 [[nodiscard]] constexpr std::size_t nlm_layer_scratch(int candidates, int channels) noexcept {
-  constexpr std::size_t kLeastLanes = 4;
-  return std::size_t{kMaxLanes} * static_cast<std::size_t>(channels) *
-         (kNlmBlockPixels / kLeastLanes * static_cast<std::size_t>(candidates) + kTapBatch);
+  return static_cast<std::size_t>(channels) *
+         (kNlmBlockPixels * static_cast<std::size_t>(candidates) + std::size_t{kMaxLanes} * kTapBatch);
 }
 
 void cross_nlm_rows(const CrossNlmRows& rows);

@@ -76,10 +76,10 @@ HWY_INLINE void whitened_covariance(FloatTag d, int features, const WindowMoment
                                     EigenSystem& system, FloatVec (&scale)[kMaxRegressionFeatures]) {
   constexpr auto kPixels = static_cast<std::ptrdiff_t>(kNlmBlockPixels);
   for (int j = 0; j < features; ++j) {
-    const FloatVec noise = hn::LoadU(d, moments.noise + j * kPixels + pixel);
+    const FloatVec noise = hn::Load(d, moments.noise + j * kPixels + pixel);
     scale[j] = hn::Div(hn::Set(d, 1.0F), hn::Sqrt(hn::Add(noise, hn::Set(d, kLeastFeatureVariance))));
     for (int i = 0; i <= j; ++i) {
-      const FloatVec covariance = hn::LoadU(d, moments.covariance + pair_of_features(i, j) * kPixels + pixel);
+      const FloatVec covariance = hn::Load(d, moments.covariance + pair_of_features(i, j) * kPixels + pixel);
       system.matrix[i][j] = system.matrix[j][i] = hn::Mul(covariance, hn::Mul(scale[i], scale[j]));
     }
   }

@@ -20,6 +20,7 @@
 #include "kernels/patch_block-inl.hpp"
 #include "kernels/patch_distance-inl.hpp"
 #include "kernels/weights-inl.hpp"
+#include "kernels/window_moments-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace stein::kernels::HWY_NAMESPACE {
@@ -298,8 +299,8 @@ HWY_INLINE int set_pixels(FloatTag d, const LocalPolynomialRows& rows, const Pat
   const int sigmas = rows.weights.candidates;
   const WindowMoments moments = take_moments(rows.features, scratch);
   if (rows.features > 0) fill_moments(rows, block, moments);
-  float* layer_sums = rows.layers.scratch + std::ptrdiff_t{kTapBatch} * kMaxLanes * rows.layers.count;
-  const std::ptrdiff_t layers_step = std::ptrdiff_t{kMaxLanes} * sigmas * rows.orders * rows.layers.count;
+  float* layer_sums = rows.layers.scratch + kTapBatch * lanes * rows.layers.count;
+  const std::ptrdiff_t layers_step = lanes * sigmas * rows.orders * rows.layers.count;
   int count = 0;
   for (int y = 0; y < rows.weights.rows; ++y) {
     for (int k = 0; k < block.width; k += static_cast<int>(lanes), ++count) {

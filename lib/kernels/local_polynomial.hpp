@@ -10,7 +10,7 @@ inline constexpr int kMaxFeatureDimensions = 4;  ///< directions of feature spac
 inline constexpr int kMaxDimensions = 2 + kMaxFeatureDimensions;
 inline constexpr int kMaxOrders = 3;
 inline constexpr int kMaxPolynomialOrder = 5;
-inline constexpr int kMaxRegressionRadius = 20;  ///< of windows
+inline constexpr int kMaxRegressionRadius = 20;  ///< of windows: weights.window_radius
 inline constexpr int kMaxColumns = 1 + kMaxPolynomialOrder * kMaxDimensions;
 /// Added to the features' noise, normalised units: below this a difference is rounding.
 inline constexpr float kLeastFeatureVariance = 1e-6F;

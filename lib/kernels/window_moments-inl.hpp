@@ -11,7 +11,7 @@
 
 #include <hwy/highway.h>
 
-#include <algorithm>
+#include <cstddef>
 
 #include "kernels/local_polynomial.hpp"
 #include "kernels/patch_distance-inl.hpp"
@@ -20,7 +20,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace stein::kernels::HWY_NAMESPACE {
 
-// Sums are in double: features are as large as they are, and their windows' variances may be small next to that.
+// Sums are in double: a window's variance counts from kLeastFeatureVariance on, whatever its mean is next to that.
 using DoubleTag = hn::CappedTag<double, kMaxLanes>;
 using DoubleVec = hn::Vec<DoubleTag>;
 using NarrowTag = hn::Rebind<float, DoubleTag>;  // floats of as many lanes
@@ -28,7 +28,7 @@ using NarrowTag = hn::Rebind<float, DoubleTag>;  // floats of as many lanes
 HWY_INLINE DoubleVec load_wide(const float* from) { return hn::PromoteTo(DoubleTag(), hn::LoadU(NarrowTag(), from)); }
 
 HWY_INLINE void store_narrow(DoubleVec value, float* to) {
-  hn::StoreU(hn::DemoteTo(NarrowTag(), value), NarrowTag(), to);
+  hn::Store(hn::DemoteTo(NarrowTag(), value), NarrowTag(), to);
 }
 
 // Of features in the window around each pixel of a block; values of one kind are kNlmBlockPixels apart, and those of
@@ -40,8 +40,8 @@ struct WindowMoments {
 
 constexpr std::ptrdiff_t pair_of_features(int i, int j) { return std::ptrdiff_t{j} * (j + 1) / 2 + i; }  // i <= j
 
-// Calls take(pixel of the block, sum over its window of value(pixel)). Always the same additions in the same order, so
-// that the block's place cannot show.
+// Calls take(pixel of the block, sum over its window of value(offset in the planes)). Always the same additions in the
+// same order, so that the block's place cannot show.
 template <class Value, class Take>
 HWY_INLINE void sum_windows(const PatchBlock& block, const Value& value, const Take& take) {
   constexpr int kLine = kNlmBlockWidth + 2 * kMaxRegressionRadius + kMaxLanes;
@@ -57,7 +57,7 @@ HWY_INLINE void sum_windows(const PatchBlock& block, const Value& value, const T
     for (int y = 0; y < rows; ++y) {
       DoubleVec sum = values[y];
       for (int n = 1; n <= 2 * radius; ++n) sum = hn::Add(sum, values[y + n]);
-      hn::StoreU(sum, d, columns + y * kLine + k);
+      hn::Store(sum, d, columns + y * kLine + k);
     }
   }
   for (int y = 0; y < rows; ++y) {
@@ -70,7 +70,7 @@ HWY_INLINE void sum_windows(const PatchBlock& block, const Value& value, const T
   }
 }
 
-HWY_INLINE void fill_moments(const LocalPolynomialRows& rows, const PatchBlock& block, const WindowMoments& moments) {
+HWY_NOINLINE void fill_moments(const LocalPolynomialRows& rows, const PatchBlock& block, const WindowMoments& moments) {
   constexpr auto kPixels = static_cast<std::ptrdiff_t>(kNlmBlockPixels);
   const DoubleTag d;
   const float* mask = rows.weights.guides.mask;
@@ -79,12 +79,12 @@ HWY_INLINE void fill_moments(const LocalPolynomialRows& rows, const PatchBlock& 
   };
   HWY_ALIGN double shares[kPixels];  // one over the number of the window's sources
   HWY_ALIGN double means[kMaxRegressionFeatures * kPixels];
-  const auto mean_of = [&](int pixel, DoubleVec sum) HWY_ATTR { return hn::Mul(sum, hn::LoadU(d, shares + pixel)); };
+  const auto mean_of = [&](int pixel, DoubleVec sum) HWY_ATTR { return hn::Mul(sum, hn::Load(d, shares + pixel)); };
   sum_windows(
       block, [&](std::ptrdiff_t i) HWY_ATTR { return load_wide(mask + i); },
       [&](int pixel, DoubleVec sum) HWY_ATTR {
         const DoubleVec one = hn::Set(d, 1.0);
-        hn::StoreU(hn::Div(one, hn::Max(sum, one)), d, shares + pixel);
+        hn::Store(hn::Div(one, hn::Max(sum, one)), d, shares + pixel);
       });
   for (int j = 0; j < rows.features; ++j) {
     const float* feature = rows.feature[j];
@@ -95,14 +95,14 @@ HWY_INLINE void fill_moments(const LocalPolynomialRows& rows, const PatchBlock& 
         [&](int pixel, DoubleVec sum) HWY_ATTR { store_narrow(mean_of(pixel, sum), noise + pixel); });
     sum_windows(
         block, [&](std::ptrdiff_t i) HWY_ATTR { return at(feature, i); },
-        [&](int pixel, DoubleVec sum) HWY_ATTR { hn::StoreU(mean_of(pixel, sum), d, own + pixel); });
+        [&](int pixel, DoubleVec sum) HWY_ATTR { hn::Store(mean_of(pixel, sum), d, own + pixel); });
     for (int k = 0; k <= j; ++k) {
       const double* other = means + k * kPixels;
       float* covariance = moments.covariance + pair_of_features(k, j) * kPixels;
       sum_windows(
           block, [&](std::ptrdiff_t i) HWY_ATTR { return hn::Mul(at(feature, i), load_wide(rows.feature[k] + i)); },
           [&](int pixel, DoubleVec sum) HWY_ATTR {
-            const DoubleVec product = hn::Mul(hn::LoadU(d, own + pixel), hn::LoadU(d, other + pixel));
+            const DoubleVec product = hn::Mul(hn::Load(d, own + pixel), hn::Load(d, other + pixel));
             store_narrow(hn::Sub(mean_of(pixel, sum), product), covariance + pixel);
           });
     }

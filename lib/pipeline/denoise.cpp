@@ -59,7 +59,7 @@ void replace_outliers(Source& source, const DenoiseParams& params, exec::Runner&
 }
 
 // One filter: its picture is the result, and no plane of the image's size is needed beside that.
-void filter_alone(Run& run, bool knows_covariances) {
+void filter_alone(DenoiseRun& run, bool knows_covariances) {
   const int slots = run.runner.slots();
   FilterJob job(run.source, run.layers, run.plans.front(), run.params.selection, run.geometry, error_halos(), slots);
   const double left = run.survey(job, kMainShare);
@@ -146,8 +146,8 @@ DenoiseResult denoise(const Frame& frame, const DenoiseParams& params) {
 
   const LayerSource layers(frame, report.frame, source);
   const OutlierEnergy energy(source, layers, params.outliers.spread);
-  Run run{params, source, given, layers, energy, geometry_of(frame, params.execution, runner.slots()),
-          runner, clock,  plans, result};
+  DenoiseRun run{params, source, given, layers, energy, geometry_of(frame, params.execution, runner.slots()),
+                 runner, clock,  plans, result};
   if (plans.size() == 1 && params.candidates.empty()) {
     filter_alone(run, knows_covariances);
   } else {

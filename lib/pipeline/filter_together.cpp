@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <numeric>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "pipeline/blend.hpp"
 #include "pipeline/error_stages.hpp"
@@ -20,7 +22,7 @@ struct Picture {
   Plane choice;  // none of an external candidate, which is one entry
 };
 
-Picture make_picture(Run& run, const FilterPlan& plan, double share, Survey* findings) {
+Picture make_picture(DenoiseRun& run, const FilterPlan& plan, double share, Survey* findings) {
   const exec::RowPipelineGeometry& geometry = run.geometry;
   Picture picture{exec::RowRing(MixtureRows::planes(run.layers.channels()), geometry.width, geometry.height,
                                 run.source.memory(), Memory::Use::kImage),
@@ -33,7 +35,7 @@ Picture make_picture(Run& run, const FilterPlan& plan, double share, Survey* fin
 }
 
 // The mixture gets back what outliers lost, whatever it is of; a candidate that never lost it must not have it twice.
-void take_outlier_energy(Run& run, const exec::RowRing& rows) {
+void take_outlier_energy(DenoiseRun& run, const exec::RowRing& rows) {
   const MixtureRows picture(rows);
   const int width = run.geometry.width;
   run.runner.for_each(run.geometry.height, 0.0, [&](int y, int) {
@@ -45,7 +47,7 @@ void take_outlier_energy(Run& run, const exec::RowRing& rows) {
   });
 }
 
-std::vector<Picture> external_pictures(Run& run) {
+std::vector<Picture> external_pictures(DenoiseRun& run) {
   std::vector<Picture> pictures;
   for (const ExternalCandidate& candidate : run.params.candidates) {
     run.clock.measure("external", [&] {
@@ -74,7 +76,7 @@ void name_choices(const std::vector<Picture>& pictures, const std::vector<int>& 
 }
 
 // What each picture has more of an error than the result, where that is their mixture and no more of the input.
-void tell_errors(Run& run, const std::vector<Picture>& pictures) {
+void tell_errors(DenoiseRun& run, const std::vector<Picture>& pictures) {
   if (run.params.strength != 1.0F) return;
   std::vector<MixtureRows> rows;
   for (const Picture& picture : pictures) rows.emplace_back(picture.rows);
@@ -86,7 +88,7 @@ void tell_errors(Run& run, const std::vector<Picture>& pictures) {
 
 }  // namespace
 
-void filter_together(Run& run, bool knows_covariances) {
+void filter_together(DenoiseRun& run, bool knows_covariances) {
   std::vector<Picture> pictures;
   std::vector<BlendPicture> rows;
   std::vector<int> first_entry;  // of a filter, minus 1

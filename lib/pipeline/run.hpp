@@ -19,7 +19,7 @@
 
 namespace stein {
 
-constexpr double kMainShare = 0.97;  // of the progress, for filtering
+inline constexpr double kMainShare = 0.97;  // of the progress, for filtering
 
 /// Times stages by name; equal names add up.
 class StageClock {
@@ -46,10 +46,10 @@ class StageClock {
 };
 
 /// What the steps of a run share.
-struct Run {
+struct DenoiseRun {
   const DenoiseParams& params;
   const Source& source;
-  const Source& given;  // before outliers were scaled down
+  const Source& given;  ///< before outliers were scaled down
   const LayerSource& layers;
   const OutlierEnergy& energy;
   exec::RowPipelineGeometry geometry;
@@ -63,9 +63,9 @@ struct Run {
     for (std::size_t s = 0; s < seconds.size(); ++s) clock.add(stages[s].name, seconds[s]);
   }
 
-  // Surveys for the filter where it wants that. Returns what is left of the share.
+  /// Surveys for the filter where it wants that. Returns what is left of its share of the progress.
   double survey(FilterJob& job, double share) {
-    constexpr double kSurveyShare = 0.12;
+    constexpr double kSurveyShare = 0.12;  // of the filter's
     if (!job.wants_survey()) return share;
     const double part = share * kSurveyShare;
     clock.measure("survey", [&] { job.survey(runner, part); });
@@ -78,6 +78,6 @@ struct Run {
 };
 
 /// Several filters, one after the other, and other denoisers' pictures; then their mixture.
-void filter_together(Run& run, bool knows_covariances);
+void filter_together(DenoiseRun& run, bool knows_covariances);
 
 }  // namespace stein

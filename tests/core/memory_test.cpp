@@ -14,6 +14,7 @@
 #include "exr/expect_error.hpp"
 #include "exr/file_size_limit.hpp"
 #include "stein/plane.hpp"
+#include "support/sanitizers.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace stein {
@@ -90,7 +91,7 @@ TEST_CASE("memory: blocks outlive it") {
   CHECK(in_file.row(99)[99] == on_heap.row(99)[99]);
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they take memory of their own
+#if !STEIN_HAS_TSAN && !STEIN_HAS_ASAN  // they take memory of their own
 TEST_CASE("memory: trimmed, the process holds less than the limit and loses nothing") {
   const TemporaryFolder folder;
   Memory memory({kLeast, folder.path().string()});

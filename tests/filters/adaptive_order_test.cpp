@@ -125,7 +125,7 @@ TEST_CASE("adaptive-order: equals the reference for windows, patches and spatial
   OwnedFrame frame(37, 29, kUsualFeatures);
   fill_random(frame, 8);
   for (const auto& [patch_radius, window_radius, spatial_sigma] :
-       {std::tuple(0, 1, 0.0F), std::tuple(1, 3, 1.5F), std::tuple(4, 6, 3.0F)}) {
+       {std::tuple(0, 1, 0.0F), std::tuple(1, 3, 1.5F), std::tuple(4, 6, 3.0F), std::tuple(2, 20, 0.0F)}) {
     CAPTURE(patch_radius, window_radius, spatial_sigma);
     AdaptiveOrderParams params = small_bank();
     params.patch_radius = patch_radius;
@@ -141,6 +141,20 @@ TEST_CASE("adaptive-order: equals the reference with its own parameters") {
   fill_random(frame, 21);
   check_agreement(AdaptiveOrderParams{}, frame.frame(), {Divergence::kPlain, 83, 3});
   check_agreement(intermediate_adaptive_order(), frame.frame(), {Divergence::kPlain, 83, 3});
+}
+
+// As positions in a scene are that lies far from the origin.
+TEST_CASE("adaptive-order: equals the reference for features that vary little next to what they are") {
+  OwnedFrame frame(37, 29, {{"position", 3}});
+  fill_random(frame, 22);
+  for (const char* name : {"position.X", "position.Y", "position.Z"}) {
+    for (int y = 0; y < 29; ++y) {
+      for (int x = 0; x < 37; ++x) frame.at(name, x, y) += 2000.0F;
+    }
+  }
+  AdaptiveOrderParams params = small_bank();
+  params.guides.feature_sigmas = {{"position", 1.0F}};
+  check_agreement(params, frame.frame(), {Divergence::kPlain, 7, 5});
 }
 
 TEST_CASE("adaptive-order: equals the reference for any set of features") {

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Layers that sum up to the colour sum up to the filtered colour, whatever the filter.
+#include <hwy/targets.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
@@ -82,6 +85,21 @@ TEST_CASE("layers: the sum holds for every way to choose, to estimate and to ble
     params.monte_carlo.draws = 2;
   }
   CHECK(error_of_sum(denoise(split.frame(), params)) < 1e-5);
+}
+
+TEST_CASE("layers: the sum holds with each instruction set of this machine") {
+  SplitFrame split(53, 41, 47);
+  add_trouble(split.owned());
+  split.add_parts(4);
+  for (std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS; targets != 0; targets &= targets - 1) {
+    for (const std::vector<FilterSpec>& filters : layer_filters()) {
+      hwy::SetSupportedTargetsForTest(targets & -targets);
+      const double error = error_of_sum(denoise(split.frame(), params_of(filters)));
+      hwy::SetSupportedTargetsForTest(0);
+      INFO(hwy::TargetName(targets & -targets) << ": " << filter_name(filters.front()));
+      CHECK(error < 1e-5);
+    }
+  }
 }
 
 TEST_CASE("layers: parts are what the filter makes of them, not shares of the colour") {

@@ -6,6 +6,7 @@
 #include "catch.hpp"
 #include "stein/denoise.hpp"
 #include "support/same_bits.hpp"
+#include "support/sanitizers.hpp"
 #include "support/synthetic.hpp"
 
 namespace stein::test {
@@ -24,7 +25,7 @@ bool same_bits(const DenoiseResult& a, const DenoiseResult& b) {
 }  // namespace
 
 TEST_CASE("denoise: 1, 2 and 5 threads and three tile sizes give identical bits") {
-#ifdef __SANITIZE_THREAD__  // ten times slower, and as good at finding races in a smaller image
+#if STEIN_HAS_TSAN  // ten times slower, and as good at finding races in a smaller image
   constexpr bool kIsSlow = true;
   OwnedFrame frame(71, 50, kUsualFeatures);
   const std::vector<std::tuple<int, int, int>> all_filters_runs = {{5, 16, 7}};
@@ -69,7 +70,7 @@ TEST_CASE("denoise: 1, 2 and 5 threads and three tile sizes give identical bits"
 }
 
 TEST_CASE("denoise: windows of rows give the bits of whole images, for every filter") {
-#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+#if STEIN_HAS_TSAN || STEIN_HAS_ASAN
   OwnedFrame frame(20, 400, kUsualFeatures);
 #else
   OwnedFrame frame(37, 700, kUsualFeatures);  // far higher than the windows of one thread with small tiles

@@ -13,6 +13,7 @@
 #include "stein/denoise.hpp"
 #include "stein/options.hpp"
 #include "support/same_bits.hpp"
+#include "support/sanitizers.hpp"
 #include "support/synthetic.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -55,7 +56,7 @@ class Scene {
 }  // namespace
 
 TEST_CASE("denoise: everything in scratch files gives identical bits, for every filter and for several") {
-#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+#if STEIN_HAS_TSAN || STEIN_HAS_ASAN
   const Scene scene(50, 70);
 #else
   const Scene scene(70, 300);
