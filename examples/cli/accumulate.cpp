@@ -26,7 +26,7 @@ struct AccumulateOptions {
   bool quiet = false;
 };
 
-constexpr const char* kFooter =
+constexpr const char* kAccumulateFooter =
     "The input is a deep scanline OpenEXR file with one deep sample per Monte Carlo sample: R, G, B and the features\n"
     "of each, such as albedo.R or normal.X. The output holds, per pixel, their means, the variances and covariances "
     "of\n"
@@ -61,7 +61,7 @@ void write_planes(const std::string& path, exr::SampleReader& samples, Accumulat
   writer->finish();
 }
 
-void print_warnings(const SampleCounts& counts) {
+void warn_of_counts(const SampleCounts& counts) {
   const auto warn = [](std::int64_t count, const char* what) {
     if (count > 0) {
       std::fprintf(stderr, "stein: warning: %lld %s\n", static_cast<long long>(count), what);
@@ -99,7 +99,7 @@ void accumulate(const AccumulateOptions& options) {
   AccumulatedRows rows(samples, plan);
   write_planes(options.output, samples, rows, *progress);
   progress.reset();
-  print_warnings(rows.counts());
+  warn_of_counts(rows.counts());
   if (!options.quiet) {
     print_summary(options, samples, plan, rows.counts());
   }
@@ -117,7 +117,7 @@ Action add_accumulate(CLI::App& verb) {
   verb.add_flag("--no-covariances", options->no_covariances,
                 "Variances only: a smaller file, but the error estimate of a denoised image is then too low");
   verb.add_flag("--quiet", options->quiet, "No progress and no summary; warnings remain");
-  verb.footer(kFooter);
+  verb.footer(kAccumulateFooter);
   return [options] { accumulate(*options); };
 }
 

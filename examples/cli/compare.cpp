@@ -26,7 +26,7 @@ struct CompareOptions {
   bool json = false;
 };
 
-constexpr const char* kFooter =
+constexpr const char* kCompareFooter =
     "The second file is the reference. The size and the channels R, G, B must agree.\n"
     "  relative MSE  mean of (a - b)^2 / (b^2 + 0.01)\n"
     "  trimmed       the same without the worst 0.01 % of the pixels\n"
@@ -167,7 +167,7 @@ Action add_compare(CLI::App& verb) {
   verb.add_option("B", options->reference, "OpenEXR file: the reference")->required();
   verb.add_option("--error-picture", options->error_picture, "Write the relative error of each pixel as a PNG");
   verb.add_flag("--json", options->json, "Print JSON");
-  verb.footer(kFooter);
+  verb.footer(kCompareFooter);
   return [options] { compare(*options); };
 }
 

@@ -13,7 +13,7 @@
 namespace stein::cli {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kDenoiseFooter =
     "OUT holds the denoised colour, error.R/G/B (the squared error that is estimated to remain), choice.V (the filter\n"
     "chosen) and density.V (where samples would help most), next to everything of IN that does not describe its "
     "noise.\n"
@@ -71,7 +71,7 @@ void declare(CLI::App& verb, DenoiseOptions& options) {
       ->capture_default_str();
   declare_memory(verb, options);
   declare_output(verb, options);
-  verb.footer(kFooter);
+  verb.footer(kDenoiseFooter);
 }
 
 void declare_method(CLI::App& verb, DenoiseOptions& options) {

@@ -23,7 +23,7 @@ struct InfoOptions {
   bool json = false;
 };
 
-constexpr const char* kFooter =
+constexpr const char* kInfoFooter =
     "Examples:\n"
     "  stein info noisy.exr\n"
     "  stein info noisy.exr --json";
@@ -129,7 +129,7 @@ Action add_info(CLI::App& verb) {
   declare(verb, options->samples);
   declare(verb, options->mapping);
   verb.add_flag("--json", options->json, "Print JSON");
-  verb.footer(kFooter);
+  verb.footer(kInfoFooter);
   return [options] { info(*options); };
 }
 

@@ -28,7 +28,7 @@ constexpr Verb kVerbs[] = {
     {"preview", "Turn a layer of a file into a PNG picture", stein::cli::add_preview},
 };
 
-constexpr const char* kFooter =
+constexpr const char* kMainFooter =
     "Examples:\n"
     "  stein denoise noisy.exr -o clean.exr\n"
     "  stein accumulate samples.exr -o noisy.exr\n"
@@ -50,7 +50,7 @@ constexpr const char* kFooter =
 
 Action declare(CLI::App& app) {
   app.set_version_flag("--version", "stein " STEIN_VERSION, "Print the version and exit");
-  app.footer(kFooter);
+  app.footer(kMainFooter);
   app.require_subcommand(1);
   auto action = std::make_shared<Action>();
   for (const Verb& verb : kVerbs) {

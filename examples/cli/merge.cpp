@@ -38,7 +38,7 @@ struct MergeOptions {
   bool quiet = false;
 };
 
-constexpr const char* kFooter =
+constexpr const char* kMergeFooter =
     "The files are renders of one view with different seeds; how many samples each has may differ. Size, data window "
     "and\n"
     "features must agree. Where the files have variances of the colour and of all features, these are pooled. Where\n"
@@ -175,7 +175,7 @@ Action add_merge(CLI::App& verb) {
   verb.add_flag("--spread", options->spread,
                 "Take variances from how the files differ, also where the files have some");
   verb.add_flag("--quiet", options->quiet, "No progress and no summary; warnings remain");
-  verb.footer(kFooter);
+  verb.footer(kMergeFooter);
   return [options] {
     catch_interrupts();
     check_arguments(*options);

@@ -20,7 +20,7 @@ namespace {
 constexpr double kReadDone = 0.4;
 constexpr double kMoveDone = 0.6;
 
-constexpr const char* kFooter =
+constexpr const char* kPerturbFooter =
     "OUT is as IN, but for its colour and features, which are moved by a random step of their noise; its attributes "
     "say\n"
     "by which. Run another denoiser on IN and on OUT, with the same settings, and hand both results to 'stein "
@@ -54,7 +54,7 @@ void declare(CLI::App& verb, PerturbOptions& options) {
   verb.add_option("--threads", files.threads, "Most threads to use; 0: all that affinity mask and CPU quota allow")
       ->capture_default_str();
   verb.add_flag("--quiet", files.quiet, "No progress and no summary");
-  verb.footer(kFooter);
+  verb.footer(kPerturbFooter);
 }
 
 void perturb_frame(const FrameTask& task, const Perturbation& perturbation) {

@@ -22,7 +22,7 @@ struct PreviewOptions {
   std::optional<std::string> range;
 };
 
-constexpr const char* kFooter =
+constexpr const char* kPreviewFooter =
     "Colour layers are exposed, clipped and sRGB-encoded; normals and other vectors become colours; everything else "
     "is\n"
     "shown in false colours with a scale. Values that are not finite, and pixels that were filled, are magenta.\n"
@@ -75,7 +75,7 @@ Action add_preview(CLI::App& verb) {
   verb.add_option("--layer", options->layer, "Layer or channel, such as albedo, depth, error, R; default: the colour");
   verb.add_option("--exposure", options->exposure, "Stops by which a colour is made brighter");
   verb.add_option("--range", options->range, "LOW,HIGH: the values at the ends of the scale; default: what is there");
-  verb.footer(kFooter);
+  verb.footer(kPreviewFooter);
   return [options] { preview(*options); };
 }
 

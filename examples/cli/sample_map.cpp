@@ -22,7 +22,7 @@
 namespace stein::cli {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kSampleMapFooter =
     "COUNTS holds samples.V (uint): how many further samples each pixel should get, in the pixels of IN's data "
     "window.\n"
     "Their sum is the budget, exactly. Pixels that already have what they need get none. Render them, merge them with\n"
@@ -52,7 +52,7 @@ void declare(CLI::App& verb, SampleMapOptions& options) {
                   "next ones, error and variance")
       ->check(CLI::IsMember({"all-samples", "error-reduction", "next-samples"}))
       ->capture_default_str();
-  verb.footer(kFooter);
+  verb.footer(kSampleMapFooter);
 }
 
 DenoiseParams params_of(SampleMapOptions& options) {
