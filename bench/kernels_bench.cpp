@@ -55,11 +55,11 @@ void run_filter(benchmark::State& state, const FilterSpec& spec, Divergence dive
   constexpr int kHeight = 32;
   const BenchFrame frame(kWidth * 3, kHeight * 3, divergence == Divergence::kJoint);
   const Source source(frame.frame(), inspect(frame.frame()));
-  const GuideRows guides = make_guides(spec, source, kHeight * 3);
-  guides.prepare({0, 0, kWidth * 3, kHeight * 3});
+  const GuideRows guides = make_guides(spec, source, {kHeight * 3, kWidth * 3, kHeight * 3});
+  FilterScratch scratch;
+  guides.prepare({0, 0, kWidth * 3, kHeight * 3}, scratch);
   const auto filter = prepare(spec, {source, guides, kWidth, kHeight, kHeight * 3, divergence});
   const exec::RowRing ring(filter->candidates() * CandidateRows::kPlanes, kWidth * 3, kHeight * 3);
-  FilterScratch scratch;
   for (auto _ : state) filter->run(0, {kWidth, kHeight, 2 * kWidth, 2 * kHeight}, scratch, CandidateRows(ring));
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * kWidth * kHeight);
   if (const auto* params = std::get_if<CrossBilateralParams>(&spec)) {
@@ -92,8 +92,9 @@ void run_passes(benchmark::State& state, const Params& params, int size = 512, i
   constexpr int kHeight = 32;
   const BenchFrame frame(size, size);
   const Source source(frame.frame(), inspect(frame.frame()));
-  const GuideRows guides = make_guides(params, source, size);
-  guides.prepare({0, 0, size, size});
+  const GuideRows guides = make_guides(params, source, {size, size, size});
+  FilterScratch guide_scratch;
+  guides.prepare({0, 0, size, size}, guide_scratch);
   const auto filter = prepare(params, {source, guides, kWidth, kHeight, size, Divergence::kPlain});
   const exec::RowRing ring(filter->candidates() * CandidateRows::kPlanes, size, size);
   const int passes = static_cast<int>(halos(params).size());
@@ -185,14 +186,14 @@ void filter_layers(benchmark::State& state, const char* name) {
   const Source source(frame.frame(), report);
   const LayerSource layers(frame.frame(), report, source);
   const FilterSpec spec = make_filter(name);
-  const GuideRows guides = make_guides(spec, source, kSize);
-  guides.prepare({0, 0, kSize, kSize});
+  const GuideRows guides = make_guides(spec, source, {kSize, kSize, kSize});
+  FilterScratch scratch;
+  guides.prepare({0, 0, kSize, kSize}, scratch);
   const Divergence divergence = is_joint ? Divergence::kJoint : Divergence::kPlain;
   const auto filter = prepare(spec, {source, guides, kWidth, kHeight, kSize, divergence, &layers});
   const exec::RowRing ring(filter->candidates() * CandidateRows::kPlanes, kSize, kSize);
   const exec::RowRing layer_ring(filter->candidates() * layers.channels(), kSize, kSize);
   const CandidateRows out = CandidateRows(ring).with_layers(layer_ring, layers.channels());
-  FilterScratch scratch;
   const int passes = static_cast<int>(halos(spec).size());
   for (auto _ : state) {
     for (int pass = 0; pass < passes; ++pass) {

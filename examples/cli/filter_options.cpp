@@ -29,6 +29,8 @@ void declare(CLI::App& verb, FilterOptions& options) {
                   "NAME=VALUE: how strongly a feature guides; smaller is stronger, 0: not at all; may be repeated")
       ->delimiter(',')
       ->allow_extra_args(false);
+  verb.add_option("--feature-smoothing", options.feature_smoothing,
+                  "Radius in pixels of the window that features are smoothed over before they guide, 0 to 5; 0: not");
   verb.add_option(
           "--order", options.order,
           "Of adaptive-order's polynomials: all fits of one order, or the best for each neighbourhood (adaptive)")
@@ -53,6 +55,7 @@ void apply(const FilterOptions& options, DenoiseParams& params) {
     const FeatureSigma feature = parse_feature_sigma(text);
     set_option(params, "feature-sigma." + feature.name, feature.sigma);
   }
+  if (options.feature_smoothing) set_option(params, "feature-smoothing", *options.feature_smoothing);
   if (!options.order.empty()) set_option(params, "order", options.order);
   if (!options.order_error.empty()) set_option(params, "order-error", options.order_error);
 }

@@ -20,6 +20,7 @@ struct FilterOptions {
   std::string bank;     ///< empty: the filter's own
   std::optional<float> range_sigma;
   std::vector<std::string> feature_sigmas;
+  std::optional<double> feature_smoothing;
   std::string order;        ///< of a regression; empty: the filter's own
   std::string order_error;  ///< what judges it; empty: the filter's own
 };

@@ -31,6 +31,10 @@ struct FeatureGuides {
   /// Lower bound of the sum of two per-sample variances in Eq. 6. [1e-6..1]
   float min_feature_variance = 0.01F;
 
+  /// Features are smoothed before they guide: each by non-local means of its own 3x3 patches, over a window of this
+  /// radius. [0..5] px; 0: they guide as they are. Filters that are guided so have no closed derivative.
+  int smoothing_radius = 0;
+
   /// The sigma that a feature of this name guides with; 0: not at all.
   [[nodiscard]] float sigma_of(std::string_view feature) const;
   /// @throws Error kInvalidArgument naming `owner`, the parameter, its value and its range.
@@ -143,8 +147,8 @@ struct GaussianParams {
   [[nodiscard]] std::vector<std::string> candidate_names() const;  ///< without the unfiltered input
 };
 
-/// The feature terms of the à-trous filters: wider than those of the cross-bilateral bank, as every level weighs edges
-/// anew and the sigmas fall by a factor of 0.8 from level to level.
+/// The feature terms of the à-trous filters: smoothed, and wider than those of the cross-bilateral bank, as every level
+/// weighs edges anew and the sigmas fall by a factor of 0.8 from level to level.
 [[nodiscard]] FeatureGuides atrous_guides();
 
 /// Edge-avoiding à-trous filter, SURE-À-Trous sec. 2.1: one candidate.

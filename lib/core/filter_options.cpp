@@ -93,6 +93,9 @@ constexpr auto kOtherSigma = [](auto& p) -> decltype((p.guides.other_feature_sig
 constexpr auto kMinFeatureVariance = [](auto& p) -> decltype((p.guides.min_feature_variance)) {
   return p.guides.min_feature_variance;
 };
+constexpr auto kFeatureSmoothing = [](auto& p) -> decltype((p.guides.smoothing_radius)) {
+  return p.guides.smoothing_radius;
+};
 
 CrossBilateralParams intermediate(const CrossBilateralParams& /*of*/) { return intermediate_cross_bilateral(); }
 CrossBilateralParams intermediate(const GaussianParams& /*of*/) { return intermediate_cross_bilateral(); }
@@ -174,6 +177,7 @@ constexpr auto kTexts = std::to_array<Option<Filters, const std::string&>>({
 constexpr auto kNumbers = std::to_array<Option<Filters, double>>({
     {"other-feature-sigma", set_number_of<kOtherSigma>},
     {"min-feature-variance", set_number_of<kMinFeatureVariance>},
+    {"feature-smoothing", set_number_of<kFeatureSmoothing>},
     {"range-sigma", set_number_of<kRangeSigma>},
     {"spatial-sigma", set_number_of<kSpatialSigma>},
     {"window-radius", set_number_of<kWindowRadius>},

@@ -92,6 +92,16 @@ void require_atrous(const std::string& owner, int levels, float value_sigma, con
   guides.check(owner);
 }
 
+// Of smoothed features the derivative is not known. The regression has its own, and is not guided by others.
+template <class Params>
+bool is_guided_by_single_pixels(const Params& params) {
+  if constexpr (std::is_same_v<Params, AdaptiveOrderParams> || !requires { params.guides; }) {
+    return true;
+  } else {
+    return params.guides.smoothing_radius == 0;
+  }
+}
+
 }  // namespace
 
 std::string to_text(float value) { return chars_of(value); }
@@ -164,7 +174,11 @@ std::vector<FilterSpec> filters_of(Quality quality) {
 }
 
 bool has_derivative(const FilterSpec& spec) {
-  return std::visit([](const auto& params) { return std::remove_cvref_t<decltype(params)>::kHasDerivative; }, spec);
+  return std::visit(
+      [](const auto& params) {
+        return std::remove_cvref_t<decltype(params)>::kHasDerivative && is_guided_by_single_pixels(params);
+      },
+      spec);
 }
 
 std::vector<std::string> candidate_names(const FilterSpec& spec) {
@@ -233,6 +247,7 @@ void FeatureGuides::check(const std::string& owner) const {
   }
   require_not_negative(prefix + "other_feature_sigma", other_feature_sigma);
   require_in_range(prefix + "min_feature_variance", min_feature_variance, 1e-6F, 1.0F);
+  require_in_range(prefix + "smoothing_radius", static_cast<float>(smoothing_radius), 0.0F, 5.0F, "px");
 }
 
 void CrossBilateralParams::check() const {
@@ -275,6 +290,7 @@ void AdaptiveOrderParams::check() const {
 
 FeatureGuides atrous_guides() {
   FeatureGuides guides;
+  guides.smoothing_radius = 2;
   for (FeatureSigma& feature : guides.feature_sigmas) feature.sigma *= 1.3F;
   return guides;
 }

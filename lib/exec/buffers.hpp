@@ -57,6 +57,12 @@ class TilePlanes {
   std::ptrdiff_t left_ = 0;
 };
 
+/// Working memory of one thread.
+struct TileScratch {
+  TilePlanes tile;
+  FloatBuffer lines;
+};
+
 /// The most recent rows of a set of image-wide planes: row y overwrites row y - capacity.
 class RowRing {
  public:

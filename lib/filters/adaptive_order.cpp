@@ -143,10 +143,9 @@ class AdaptiveOrder final : public PreparedFilter {
       rows.weights.rows = std::min(kernels::kNlmBlockRows, tile.height() - y);
       const Rect target{tile.x0, tile.y0 + y, tile.x1, tile.y0 + y + rows.weights.rows};
       set_inputs(planes, y, rows);
-      own.load(target, own_memory, rows.weights.colour_covariance, rows.feature_covariance,
-               [&](int image_y, float* const* to) {
-                 features_.covariance_rows(image_y, target.x0, target.width(), lines, to);
-               });
+      own.load(
+          target, own_memory, rows.weights.colour_covariance, rows.feature_covariance,
+          [&](int image_y, float* const* to) { features_.covariance_rows(image_y, target.x0, target.width(), to); });
       set_outputs(target, out, candidates(), rows.weights);
       set_layers(target, out, candidates(), planes, layer, y, scratch.layers);
       for (int k = out.layers(); k < channels; ++k)
@@ -223,8 +222,8 @@ std::vector<int> halos(const AdaptiveOrderParams& params) {
   return {SmoothFeatures::kHalo, tile_halo(params) + kBlurRadius};
 }
 
-GuideRows make_guides(const AdaptiveOrderParams& params, const Source& source, int rows) {
-  return {source, params.guides, 0.0F, rows};
+GuideRows make_guides(const AdaptiveOrderParams& params, const Source& source, const GuideWindow& window) {
+  return {source, params.guides, 0.0F, window};
 }
 
 std::unique_ptr<PreparedFilter> prepare(const AdaptiveOrderParams& params, const FilterContext& context) {

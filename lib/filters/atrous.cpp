@@ -217,8 +217,8 @@ std::vector<int> halos(const AtrousParams& params) {
   return all;
 }
 
-GuideRows make_guides(const AtrousParams& params, const Source& source, int rows) {
-  return {source, params.guides, 0.0F, rows};
+GuideRows make_guides(const AtrousParams& params, const Source& source, const GuideWindow& window) {
+  return {source, params.guides, 0.0F, window};
 }
 
 std::unique_ptr<PreparedFilter> prepare(const AtrousParams& params, const FilterContext& context) {
@@ -227,8 +227,8 @@ std::unique_ptr<PreparedFilter> prepare(const AtrousParams& params, const Filter
 
 std::vector<int> halos(const AtrousSureParams& params) { return halos(plain(params)); }
 
-GuideRows make_guides(const AtrousSureParams& params, const Source& source, int rows) {
-  return make_guides(plain(params), source, rows);
+GuideRows make_guides(const AtrousSureParams& params, const Source& source, const GuideWindow& window) {
+  return make_guides(plain(params), source, window);
 }
 
 std::unique_ptr<PreparedFilter> prepare(const AtrousSureParams& params, const FilterContext& context) {

@@ -219,8 +219,8 @@ class CrossBilateral final : public PreparedFilter {
 
 std::vector<int> halos(const CrossBilateralParams& params) { return {radius_of(params.spatial_sigmas)}; }
 
-GuideRows make_guides(const CrossBilateralParams& params, const Source& source, int rows) {
-  return {source, params.guides, params.range_sigma, rows};
+GuideRows make_guides(const CrossBilateralParams& params, const Source& source, const GuideWindow& window) {
+  return {source, params.guides, params.range_sigma, window};
 }
 
 std::unique_ptr<PreparedFilter> prepare(const CrossBilateralParams& params, const FilterContext& context) {

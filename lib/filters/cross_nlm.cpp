@@ -200,8 +200,8 @@ class CrossNlm final : public PreparedFilter {
 
 std::vector<int> halos(const CrossNlmParams& params) { return {tile_halo(params) + kBlurRadius}; }
 
-GuideRows make_guides(const CrossNlmParams& params, const Source& source, int rows) {
-  return {source, params.guides, 0.0F, rows};
+GuideRows make_guides(const CrossNlmParams& params, const Source& source, const GuideWindow& window) {
+  return {source, params.guides, 0.0F, window};
 }
 
 std::unique_ptr<PreparedFilter> prepare(const CrossNlmParams& params, const FilterContext& context) {

@@ -9,8 +9,8 @@ std::vector<int> halos(const FilterSpec& spec) {
   return std::visit([](const auto& params) { return halos(params); }, spec);
 }
 
-GuideRows make_guides(const FilterSpec& spec, const Source& source, int rows) {
-  return std::visit([&](const auto& params) { return make_guides(params, source, rows); }, spec);
+GuideRows make_guides(const FilterSpec& spec, const Source& source, const GuideWindow& window) {
+  return std::visit([&](const auto& params) { return make_guides(params, source, window); }, spec);
 }
 
 std::unique_ptr<PreparedFilter> prepare(const FilterSpec& spec, const FilterContext& context) {
@@ -19,7 +19,16 @@ std::unique_ptr<PreparedFilter> prepare(const FilterSpec& spec, const FilterCont
 
 int reach(const FilterSpec& spec) {
   const std::vector<int> all = halos(spec);
-  return std::accumulate(all.begin(), all.end(), 0);
+  const int of_guides = std::visit(
+      []<class Params>(const Params& params) {
+        if constexpr (requires { params.guides; }) {
+          return GuideRows::halo(params.guides);
+        } else {
+          return 0;
+        }
+      },
+      spec);
+  return std::accumulate(all.begin(), all.end(), of_guides);
 }
 
 }  // namespace stein

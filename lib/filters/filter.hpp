@@ -63,9 +63,7 @@ class CandidateRows {
 };
 
 /// Scratch memory of one thread.
-struct FilterScratch {
-  exec::TilePlanes tile;
-  exec::FloatBuffer lines;
+struct FilterScratch : exec::TileScratch {
   LayerPointers layers;
 };
 
@@ -103,36 +101,37 @@ struct FilterContext {
 };
 
 /// One overload per filter, each in its own pair of files: the halo of each pass, the guides that the filter wants
-/// prepared in a window of `rows` rows (they guide the smoothing of its risk too), and the filter.
+/// prepared in `window` (they guide the smoothing of its risk too), and the filter.
 [[nodiscard]] std::vector<int> halos(const CrossBilateralParams& params);
-[[nodiscard]] GuideRows make_guides(const CrossBilateralParams& params, const Source& source, int rows);
+[[nodiscard]] GuideRows make_guides(const CrossBilateralParams& params, const Source& source,
+                                    const GuideWindow& window);
 [[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const CrossBilateralParams& params, const FilterContext& context);
 
 [[nodiscard]] std::vector<int> halos(const GaussianParams& params);
-[[nodiscard]] GuideRows make_guides(const GaussianParams& params, const Source& source, int rows);
+[[nodiscard]] GuideRows make_guides(const GaussianParams& params, const Source& source, const GuideWindow& window);
 [[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const GaussianParams& params, const FilterContext& context);
 
 [[nodiscard]] std::vector<int> halos(const AtrousParams& params);
-[[nodiscard]] GuideRows make_guides(const AtrousParams& params, const Source& source, int rows);
+[[nodiscard]] GuideRows make_guides(const AtrousParams& params, const Source& source, const GuideWindow& window);
 [[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const AtrousParams& params, const FilterContext& context);
 
 [[nodiscard]] std::vector<int> halos(const AtrousSureParams& params);
-[[nodiscard]] GuideRows make_guides(const AtrousSureParams& params, const Source& source, int rows);
+[[nodiscard]] GuideRows make_guides(const AtrousSureParams& params, const Source& source, const GuideWindow& window);
 [[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const AtrousSureParams& params, const FilterContext& context);
 [[nodiscard]] std::vector<int> halos(const CrossNlmParams& params);
-[[nodiscard]] GuideRows make_guides(const CrossNlmParams& params, const Source& source, int rows);
+[[nodiscard]] GuideRows make_guides(const CrossNlmParams& params, const Source& source, const GuideWindow& window);
 [[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const CrossNlmParams& params, const FilterContext& context);
 
 [[nodiscard]] std::vector<int> halos(const AdaptiveOrderParams& params);
-[[nodiscard]] GuideRows make_guides(const AdaptiveOrderParams& params, const Source& source, int rows);
+[[nodiscard]] GuideRows make_guides(const AdaptiveOrderParams& params, const Source& source, const GuideWindow& window);
 [[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const AdaptiveOrderParams& params, const FilterContext& context);
 
 /// The overloads for the alternative that `spec` holds.
 [[nodiscard]] std::vector<int> halos(const FilterSpec& spec);
-[[nodiscard]] GuideRows make_guides(const FilterSpec& spec, const Source& source, int rows);
+[[nodiscard]] GuideRows make_guides(const FilterSpec& spec, const Source& source, const GuideWindow& window);
 [[nodiscard]] std::unique_ptr<PreparedFilter> prepare(const FilterSpec& spec, const FilterContext& context);
 
-/// Pixels that can change a pixel's result: the halos of all passes together.
+/// Pixels that can change a pixel's result: the halos of all passes and of the guides together.
 [[nodiscard]] int reach(const FilterSpec& spec);
 
 }  // namespace stein

@@ -19,8 +19,8 @@ CrossBilateralParams without_guides(const GaussianParams& params) {
 
 std::vector<int> halos(const GaussianParams& params) { return halos(without_guides(params)); }
 
-GuideRows make_guides(const GaussianParams& params, const Source& source, int rows) {
-  return make_guides(without_guides(params), source, rows);
+GuideRows make_guides(const GaussianParams& params, const Source& source, const GuideWindow& window) {
+  return make_guides(without_guides(params), source, window);
 }
 
 std::unique_ptr<PreparedFilter> prepare(const GaussianParams& params, const FilterContext& context) {

@@ -9,7 +9,18 @@
 #include "stein/error.hpp"
 
 namespace stein {
-GuideRows::GuideRows(const Source& source, const FeatureGuides& guides, float range_sigma, int rows)
+namespace {
+
+// The narrowest patches: wider ones take the rims of small things for what is around them.
+NlmWindow smoothing_window(const FeatureGuides& guides) { return {guides.smoothing_radius, 1}; }
+
+}  // namespace
+
+int GuideRows::halo(const FeatureGuides& guides) {
+  return guides.smoothing_radius > 0 ? FeatureSmoother::halo(smoothing_window(guides)) : 0;
+}
+
+GuideRows::GuideRows(const Source& source, const FeatureGuides& guides, float range_sigma, const GuideWindow& window)
     : source_(source), min_variance_(guides.min_feature_variance) {
   const std::vector<Feature>& features = source.frame().features;
   for (std::size_t f = 0; f < features.size(); ++f) {
@@ -18,7 +29,9 @@ GuideRows::GuideRows(const Source& source, const FeatureGuides& guides, float ra
   }
   feature_groups_ = groups_.size();
   if (range_sigma > 0) add(-1, 3, range_sigma);
-  ring_ = exec::RowRing(planes(), source.frame().width, rows, source.memory());
+  if (guides.smoothing_radius > 0)
+    smoother_.emplace(source, smoothing_window(guides), window.tile_width, window.tile_height);
+  ring_ = exec::RowRing(planes(), source.frame().width, window.rows, source.memory());
 }
 
 void GuideRows::add(int feature, int channels, float sigma) {
@@ -33,27 +46,51 @@ void GuideRows::add(int feature, int channels, float sigma) {
   channels_ += channels;
 }
 
-void GuideRows::prepare(const Rect& tile) const {
+void GuideRows::prepare(const Rect& tile, exec::TileScratch& scratch) const {
+  for (int y = tile.y0; y < tile.y1; ++y)
+    source_.mask_row(y, tile.x0, tile.width(), ring_.row(mask_plane(), y) + tile.x0);
+  int channel = 0;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    if (g < feature_groups_) {
+      prepare_feature(static_cast<int>(g), channel, tile, scratch);
+    } else {
+      prepare_colour(groups_[g], channel, tile);
+    }
+    channel += groups_[g].channels;
+  }
+}
+
+// The variance stays that of the feature as it is: what smoothing has left of its noise must not stop a filter either.
+void GuideRows::prepare_feature(int g, int first_channel, const Rect& tile, exec::TileScratch& scratch) const {
+  const Group& group = groups_[static_cast<std::size_t>(g)];
+  const auto feature = static_cast<std::size_t>(group.feature);
+  const int n = tile.width();
+  const auto row = [&](int plane, int y) { return ring_.row(plane, y) + tile.x0; };
+  if (smoother_) smoother_->run(feature, tile, scratch, ring_, first_channel);
+  for (int y = tile.y0; y < tile.y1; ++y) {
+    float* means[4];
+    for (int k = 0; k < group.channels; ++k) means[k] = row(first_channel + k, y);
+    if (!smoother_) {
+      source_.feature_row(feature, group.factor, y, tile.x0, n, means, row(channels_ + g, y));
+      continue;
+    }
+    source_.feature_sample_variance_row(feature, y, tile.x0, n, row(channels_ + g, y));
+    for (int k = 0; k < group.channels; ++k) {
+      for (int i = 0; i < n; ++i) means[k][i] *= group.factor;
+    }
+  }
+}
+
+void GuideRows::prepare_colour(const Group& group, int first_channel, const Rect& tile) const {
   const int n = tile.width();
   for (int y = tile.y0; y < tile.y1; ++y) {
-    const auto row = [&](int plane) { return ring_.row(plane, y) + tile.x0; };
-    source_.mask_row(y, tile.x0, n, row(mask_plane()));
-    int channel = 0;
-    for (std::size_t g = 0; g < groups_.size(); ++g) {
-      const Group& group = groups_[g];
-      float* variance = row(channels_ + static_cast<int>(g));
-      float* means[4];
-      for (int k = 0; k < group.channels; ++k) means[k] = row(channel++);
-      if (group.feature >= 0) {
-        source_.feature_row(static_cast<std::size_t>(group.feature), group.factor, y, tile.x0, n, means, variance);
-        continue;
-      }
-      for (std::size_t c = 0; c < 3; ++c) {
-        source_.colour_row(c, y, tile.x0, n, means[c]);
-        for (int i = 0; i < n; ++i) means[c][i] *= group.factor;
-      }
-      std::fill_n(variance, n, 0.5F);  // the range term of Eq. 4 is not normalised: the two variances sum to 1
+    for (int c = 0; c < 3; ++c) {
+      float* mean = ring_.row(first_channel + c, y) + tile.x0;
+      source_.colour_row(static_cast<std::size_t>(c), y, tile.x0, n, mean);
+      for (int i = 0; i < n; ++i) mean[i] *= group.factor;
     }
+    // The range term of Eq. 4 is not normalised: the two variances sum to 1.
+    std::fill_n(ring_.row(mask_plane() - 1, y) + tile.x0, n, 0.5F);
   }
 }
 

@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "exec/buffers.hpp"
 #include "exec/rect.hpp"
+#include "filters/feature_smoother.hpp"
 #include "kernels/guides.hpp"
 #include "prefilter/source.hpp"
 #include "stein/filters.hpp"
@@ -25,14 +27,23 @@ enum class Divergence {
   kJoint,  ///< also the covariances with the other channels and with the features (Joint SURE Eq. 2)
 };
 
+/// How many rows are kept, and how large tiles are at most.
+struct GuideWindow {
+  int rows = 0;
+  int tile_width = 0;
+  int tile_height = 0;
+};
+
 class GuideRows {
  public:
-  /// A window of `rows` rows. The frame's features guide as `guides` says, and the colour if range_sigma > 0 (SBF Eq.
-  /// 4).
-  GuideRows(const Source& source, const FeatureGuides& guides, float range_sigma, int rows);
+  /// The frame's features guide as `guides` says, and the colour if range_sigma > 0 (SBF Eq. 4).
+  GuideRows(const Source& source, const FeatureGuides& guides, float range_sigma, const GuideWindow& window);
+
+  /// Pixels around a tile that its guides depend on.
+  [[nodiscard]] static int halo(const FeatureGuides& guides);
 
   /// Fills the tile's pixels.
-  void prepare(const Rect& tile) const;
+  void prepare(const Rect& tile, exec::TileScratch& scratch) const;
 
   /// Planes of a tile: guides first, then the mask.
   [[nodiscard]] int planes() const noexcept { return mask_plane() + 1; }
@@ -65,6 +76,8 @@ class GuideRows {
     float factor = 0;  ///< to the normalised feature, such that the kernel's distance is D^2 / (2 sigma^2) * log2(e)
   };
   void add(int feature, int channels, float sigma);
+  void prepare_feature(int g, int first_channel, const Rect& tile, exec::TileScratch& scratch) const;
+  void prepare_colour(const Group& group, int first_channel, const Rect& tile) const;
   [[nodiscard]] int mask_plane() const noexcept { return channels_ + static_cast<int>(groups_.size()); }
   template <class Row>
   [[nodiscard]] kernels::Guides arguments(std::size_t groups, Row row) const;
@@ -74,6 +87,7 @@ class GuideRows {
   std::size_t feature_groups_ = 0;  ///< the first of groups_; the colour comes last
   int channels_ = 0;
   float min_variance_ = 0;
+  std::optional<FeatureSmoother> smoother_;
   exec::RowRing ring_;
 };
 

@@ -57,7 +57,7 @@ void FilterRuns::add_run(const std::optional<Perturbation>& perturbation, int gu
   auto run = std::make_unique<Run>();
   if (perturbation) run->perturbed.emplace(source_.perturbed(*perturbation));
   const Source& source = perturbation ? *run->perturbed : source_;
-  run->guides.emplace(make_guides(plan_.spec, source, guide_rows));
+  run->guides.emplace(make_guides(plan_.spec, source, {guide_rows, geometry_.tile_width, geometry_.tile_height}));
   const int pass_rows = exec::window_between(geometry_, passes_);
   const Divergence divergence = plan_.risk == Risk::kJoint ? Divergence::kJoint : Divergence::kPlain;
   run->filter = prepare(plan_.spec, {source, *run->guides, geometry_.tile_width, geometry_.tile_height, pass_rows,
@@ -76,7 +76,9 @@ void FilterRuns::add_run(const std::optional<Perturbation>& perturbation, int gu
 void FilterRuns::add_stages(const CutTile& wanted_rows, const TileStep& then, std::vector<exec::RowStage>& list) {
   for (std::size_t r = 0; r < runs_.size(); ++r) {
     Run& run = *runs_[r];
-    list.push_back({"guides", 0, 0.5, [&run](const Rect& tile, int /*slot*/) { run.guides->prepare(tile); }});
+    list.push_back({"guides", 0, 0.5, [this, &run](const Rect& tile, int slot) {
+                      run.guides->prepare(tile, scratch_[static_cast<std::size_t>(slot)]);
+                    }});
     for (std::size_t p = 0; p < passes_.size(); ++p) {
       const bool is_last = p + 1 == passes_.size();
       const bool has_layers = r == 0 && !wanted_rows;

@@ -120,8 +120,10 @@ void filter_together(DenoiseRun& run, bool knows_covariances) {
                     [&] { blend.emplace(run.source, run.layers, rows, run.runner, kMainShare * kBlendShare / 2); });
   const exec::RowRing mixed(MixtureRows::planes(run.layers.channels()), run.geometry.width,
                             exec::ring_capacity(run.geometry, {}), run.source.memory());
-  const GuideRows guides =
-      make_guides(run.plans.front().spec, run.source, exec::ring_capacity(run.geometry, error_halos()));
+  const GuideRows guides = make_guides(
+      run.plans.front().spec, run.source,
+      {exec::ring_capacity(run.geometry, error_halos()), run.geometry.tile_width, run.geometry.tile_height});
+  std::vector<exec::TileScratch> scratch(static_cast<std::size_t>(run.runner.slots()));
   ErrorStages errors(run.source, run.layers, run.energy, run.params, MixtureRows(mixed), guides, run.geometry,
                      run.runner.slots(), run.result);
   const int pitch = run.geometry.tile_width;
@@ -129,7 +131,7 @@ void filter_together(DenoiseRun& run, bool knows_covariances) {
       static_cast<std::size_t>(run.runner.slots()),
       std::vector<float>(static_cast<std::size_t>(pitch) * static_cast<std::size_t>(blend->pictures())));
   std::vector<exec::RowStage> stages = {{"blend", 0, 1.0, [&](const Rect& tile, int slot) {
-                                           guides.prepare(tile);
+                                           guides.prepare(tile, scratch[static_cast<std::size_t>(slot)]);
                                            blend->run(tile, {MixtureRows(mixed), &run.result.choice},
                                                       lines[static_cast<std::size_t>(slot)].data(), pitch);
                                            name_choices(pictures, first_entry, tile, run.result.choice);

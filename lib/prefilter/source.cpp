@@ -219,8 +219,7 @@ void Source::for_each_hole(std::size_t feature, int y, int x, int count, Visit v
   }
 }
 
-void Source::feature_row(std::size_t feature, float factor, int y, int x, int count, float* const* means,
-                         float* variance) const {
+void Source::feature_mean_rows(std::size_t feature, float factor, int y, int x, int count, float* const* means) const {
   const Feature& source = frame_.features[feature];
   const std::size_t channels = source.mean.size();
   const float scale = feature_scales_[feature];
@@ -229,11 +228,23 @@ void Source::feature_row(std::size_t feature, float factor, int y, int x, int co
     for (int i = 0; i < count; ++i) means[k][i] = std::clamp(means[k][i] * (scale * factor), -kLargest, kLargest);
   }
   if (perturbation_) add_steps(feature, factor, y, x, count, means);
-  group_variance_row(feature, y, x, count, variance);
-  if (frame_.degrees_of_freedom > 0) raise_variance_row(feature, y, x, count, variance);
   for_each_hole(feature, y, x, count, [&](int i, const std::optional<FeatureFill>& fill) {
     for (std::size_t k = 0; k < channels; ++k)
       means[k][i] = fill ? std::clamp(fill->mean[k] * (scale * factor), -kLargest, kLargest) : 0.0F;
+  });
+}
+
+void Source::feature_row(std::size_t feature, float factor, int y, int x, int count, float* const* means,
+                         float* variance) const {
+  feature_mean_rows(feature, factor, y, x, count, means);
+  feature_sample_variance_row(feature, y, x, count, variance);
+}
+
+void Source::feature_sample_variance_row(std::size_t feature, int y, int x, int count, float* variance) const {
+  const float scale = feature_scales_[feature];
+  group_variance_row(feature, y, x, count, variance);
+  if (frame_.degrees_of_freedom > 0) raise_variance_row(feature, y, x, count, variance);
+  for_each_hole(feature, y, x, count, [&](int i, const std::optional<FeatureFill>& fill) {
     variance[i] = fill ? std::min(fill->sample_variance * scale * scale, kNoInformation) : kNoInformation;
   });
 }

@@ -76,6 +76,9 @@ class Source {
   /// distance.
   void feature_row(std::size_t feature, float factor, int y, int x, int count, float* const* means,
                    float* variance) const;
+  /// The same by themselves.
+  void feature_sample_variance_row(std::size_t feature, int y, int x, int count, float* out) const;
+  void feature_mean_rows(std::size_t feature, float factor, int y, int x, int count, float* const* means) const;
   /// Variance of the mean of channel k of a feature in normalised units. Where the feature is unusable: that of the
   /// pixels around (FeatureHoles), for all channels alike, or kNoInformation.
   void feature_variance_row(std::size_t feature, std::size_t k, int y, int x, int count, float* out) const;

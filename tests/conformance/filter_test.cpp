@@ -73,6 +73,9 @@ std::vector<FilterSpec> specs() {
   absolute.distance = PatchDistance::kAbsolute;
   absolute.range_sigmas = {0.05F, 0.3F};
   all.push_back(in_small_window(absolute));
+  CrossBilateralParams smoothed;
+  smoothed.guides.smoothing_radius = 2;
+  all.emplace_back(smoothed);
   return all;
 }
 

@@ -25,6 +25,9 @@ std::vector<FilterSpec> specs() {
   absolute.distance = PatchDistance::kAbsolute;
   absolute.range_sigmas = {0.1F, 0.4F};
   all.emplace_back(absolute);
+  CrossBilateralParams smoothed;
+  smoothed.guides.smoothing_radius = 2;
+  all.emplace_back(smoothed);
   for (FilterSpec& spec : all) {  // wider windows test nothing that a smaller one does not
     if (CrossNlmParams* params = std::get_if<CrossNlmParams>(&spec)) params->window_radius = 5;
     if (AdaptiveOrderParams* params = std::get_if<AdaptiveOrderParams>(&spec)) {

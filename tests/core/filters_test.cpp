@@ -159,7 +159,25 @@ TEST_CASE("The ranges of the à-trous filters") {
                  "atrous-sure: fixed_weight is 1.1, must be in [0..1]"));
   CHECK(contains(refusal_after(+[](Sure& p) { p.noise_margin = -1; }), "noise_margin is -1, must be in [0..100]"));
   CHECK(contains(refusal_after(+[](Sure& p) { p.weight_steps = -1; }), "weight_steps is -1, must be in [0..100]"));
+  CHECK(refusal_after(+[](Plain& p) { p.guides.smoothing_radius = 5; }).empty());
+  CHECK(contains(refusal_after(+[](Plain& p) { p.guides.smoothing_radius = 6; }),
+                 "atrous: smoothing_radius is 6, must be in [0..5] px"));
+  CHECK(contains(refusal_after(+[](Sure& p) { p.guides.smoothing_radius = -1; }), "smoothing_radius is -1"));
   CHECK_FALSE(stein::has_derivative(stein::AtrousParams{}));
+}
+
+TEST_CASE("Weights by smoothed features have no known derivative; a regression on its own has") {
+  stein::CrossBilateralParams bilateral;
+  stein::CrossNlmParams nlm;
+  stein::AdaptiveOrderParams regression;
+  CHECK(stein::has_derivative(bilateral));
+  CHECK(stein::has_derivative(nlm));
+  for (stein::FeatureGuides* guides : {&bilateral.guides, &nlm.guides, &regression.guides})
+    guides->smoothing_radius = 2;
+  CHECK_FALSE(stein::has_derivative(bilateral));
+  CHECK_FALSE(stein::has_derivative(nlm));
+  CHECK(stein::has_derivative(regression));
+  CHECK(stein::has_derivative(stein::GaussianParams{}));
 }
 
 TEST_CASE("The cross non-local means banks name their range sigmas and differ in their windows") {

@@ -45,13 +45,15 @@ TEST_CASE("Options of filters set the parameters of their names") {
                                                                                   {"feature-sigma.albedo", 0.1},
                                                                                   {"feature-sigma.shadow", 2},
                                                                                   {"other-feature-sigma", 3},
-                                                                                  {"min-feature-variance", 0.25}});
+                                                                                  {"min-feature-variance", 0.25},
+                                                                                  {"feature-smoothing", 3}});
   CHECK(bilateral.spatial_sigmas == std::vector<float>{1.0F, 2.5F, 4.0F});
   CHECK(bilateral.range_sigma == 0.5F);
   CHECK(bilateral.guides.sigma_of("albedo") == 0.1F);
   CHECK(bilateral.guides.sigma_of("shadow") == 2.0F);
   CHECK(bilateral.guides.sigma_of("anything") == 3.0F);
   CHECK(bilateral.guides.min_feature_variance == 0.25F);
+  CHECK(bilateral.guides.smoothing_radius == 3);
 
   const auto nlm =
       filter_after<stein::CrossNlmParams>({{"range-sigmas", "0.5"}, {"distance", "absolute"}},

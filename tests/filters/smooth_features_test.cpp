@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "filters/smooth_features.hpp"
 
+#include <hwy/targets.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,7 +11,8 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "support/cross_nlm_reference.hpp"
+#include "support/feature_nlm_reference.hpp"
+#include "support/statistics.hpp"
 #include "support/synthetic.hpp"
 
 namespace stein::test {
@@ -17,77 +20,80 @@ namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-// Up to three normalised channels of a feature as the colour of a frame; pixels that are not to be looked at have no
-// samples.
-void copy_as_colour(const Source& source, std::size_t feature, std::size_t first, std::size_t count, OwnedFrame& to) {
-  constexpr std::array<const char*, 3> kRgb = {"R", "G", "B"};
-  for (int y = 0; y < to.frame().height; ++y) {
-    for (int x = 0; x < to.frame().width; ++x) {
-      float means[4];
-      float* rows[4] = {means, means + 1, means + 2, means + 3};
-      float unused = 0;
-      source.feature_row(feature, 1.0F, y, x, 1, rows, &unused);
-      for (std::size_t c = 0; c < 3; ++c) {
-        float variance = 0;
-        if (c < count) source.feature_variance_row(feature, first + c, y, x, 1, &variance);
-        to.at(kRgb[c], x, y) = c < count ? means[first + c] : 0.0F;
-        to.at(std::string("variance.") + kRgb[c], x, y) = variance;
-        if (!is_valid(source.frame(), x, y) || variance >= Source::kNoInformation) to.at("sampleCount", x, y) = 0;
+// One feature of all pixels.
+class Smoothed {
+ public:
+  struct Tile {
+    int width = 0;
+    int height = 0;
+  };
+  Smoothed(const Source& source, std::size_t feature, const NlmWindow& window, const Tile& tile)
+      : channels_(static_cast<int>(source.frame().features[feature].mean.size())),
+        ring_(2 * channels_, source.frame().width, source.frame().height) {
+    const FeatureSmoother smoother(source, window, tile.width, tile.height);
+    exec::TileScratch scratch;
+    for (int y = 0; y < source.frame().height; y += tile.height) {
+      for (int x = 0; x < source.frame().width; x += tile.width) {
+        const Rect part{x, y, std::min(x + tile.width, source.frame().width),
+                        std::min(y + tile.height, source.frame().height)};
+        smoother.run(feature, part, scratch, ring_, 0, channels_);
       }
     }
   }
-}
+  [[nodiscard]] float mean(int channel, int x, int y) const { return ring_.row(channel, y)[x]; }
+  [[nodiscard]] float kept(int channel, int x, int y) const { return ring_.row(channels_ + channel, y)[x]; }
 
-// As AOS sec. 6: by each feature's own patches, not blurred.
-CrossNlmParams own_patches() {
-  CrossNlmParams params;
-  params.distance = PatchDistance::kVarianceNormalised;
-  params.window_radius = 5;
-  params.patch_radius = 2;
-  params.patch_blur = 0;
-  params.guides.feature_sigmas.clear();
-  return params;
-}
-
-// Largest deviations from non-local means of a frame that has the channels for its colour.
-struct Deviation {
-  double mean = 0;
-  double variance = 0;  // relative to that before
+ private:
+  int channels_;
+  exec::RowRing ring_;
 };
 
-Deviation deviation(const SmoothFeatures& smooth, const Source& source, std::size_t feature, int channel,
-                    std::size_t first, std::size_t count) {
-  const Frame& frame = source.frame();
-  OwnedFrame colours(frame.width, frame.height, {}, false);
-  copy_as_colour(source, feature, first, count, colours);
-  const Source alone(colours.frame(), inspect(colours.frame()));
-  const CrossNlmParams params = own_patches();
-  const CrossNlmReference reference(params, alone);
-  const double sigma = std::sqrt(0.5);
-  Deviation found;
-  for (int i = 0; i < frame.width * frame.height; i += 3) {
+// Largest deviation from the plain reference; of what is kept of steps, at some of the pixels.
+struct Deviation {
+  double mean = 0;
+  double kept = 0;
+};
+
+Deviation deviation(const Frame& frame, std::size_t feature, const NlmWindow& window) {
+  const Source source(frame, inspect(frame));
+  const Smoothed smoothed(source, feature, window, {32, 16});
+  FeatureNlmReference reference(source, feature, window);
+  Deviation largest;
+  for (int i = 0; i < frame.width * frame.height; ++i) {
     const int x = i % frame.width;
     const int y = i / frame.width;
-    const auto mean = reference.result(sigma, x, y);
-    const auto divergence = reference.divergence(sigma, x, y, Divergence::kPlain);
-    for (std::size_t c = 0; c < count; ++c) {
-      const int k = channel + static_cast<int>(c);
-      float before = 0;
-      source.feature_variance_row(feature, first + c, y, x, 1, &before);
-      if (!is_valid(colours.frame(), x, y)) {
-        if (before >= Source::kNoInformation) CHECK(smooth.variance(k, y)[x] == Source::kNoInformation);
-        continue;
-      }
-      found.mean = std::max(found.mean, std::abs(smooth.mean(k, y)[x] - mean[c]));
-      const double left = std::clamp<double>(divergence[c], 0.0, before);
-      found.variance = std::max(found.variance, std::abs(smooth.variance(k, y)[x] - left) / before);
+    const std::vector<double> means = reference.means(x, y);
+    for (std::size_t k = 0; k < means.size(); ++k) {
+      const int channel = static_cast<int>(k);
+      largest.mean = std::max(largest.mean, std::abs(smoothed.mean(channel, x, y) - means[k]));
+      if (i % 7 != 0) continue;
+      largest.kept = std::max(largest.kept, std::abs(smoothed.kept(channel, x, y) - reference.kept(x, y, k)));
     }
   }
-  return found;
+  return largest;
+}
+
+void check_deviation(const Frame& frame, std::size_t feature, const NlmWindow& window) {
+  const Deviation found = deviation(frame, feature, window);
+  CHECK(found.mean < 1e-5);
+  CHECK(found.kept < 1e-3);
+}
+
+// With pixels and features that cannot be used.
+const std::vector<FeatureShape> kShapes = {{"depth", 1}, {"pair", 2}, {"normal", 3}, {"other", 4}};
+
+void fill_with_holes(OwnedFrame& frame, std::uint64_t seed) {
+  const int width = frame.frame().width;
+  const int height = frame.frame().height;
+  fill_random(frame, seed);
+  frame.at("R", width / 2, height / 2) = kNaN;
+  frame.at("sampleCount", 0, height - 1) = 0;
+  frame.at("normal.Y", width / 3, height / 3) = kNaN;
+  frame.at("depth.variance.Z", width - 1, 0) = -1;
 }
 
 void prepare_all(const SmoothFeatures& smooth, const Frame& frame) {
-  FilterScratch scratch;
+  exec::TileScratch scratch;
   for (int y = 0; y < frame.height; y += 16) {
     for (int x = 0; x < frame.width; x += 32) {
       smooth.prepare({x, y, std::min(x + 32, frame.width), std::min(y + 16, frame.height)}, scratch);
@@ -97,9 +103,100 @@ void prepare_all(const SmoothFeatures& smooth, const Frame& frame) {
 
 }  // namespace
 
-TEST_CASE("smooth features: equal plain non-local means of each feature, and so does what is left of their noise") {
-  const std::vector<FeatureShape> shapes = {{"depth", 1}, {"unused", 2}, {"normal", 3}, {"other", 4}};
-  OwnedFrame frame(37, 21, shapes);
+TEST_CASE("feature smoother: equals plain non-local means for any number of channels, window and patch") {
+  OwnedFrame frame(37, 21, kShapes);
+  fill_with_holes(frame, 4);
+  for (const NlmWindow& window :
+       {NlmWindow{1, 1}, NlmWindow{2, 1}, NlmWindow{5, 1}, NlmWindow{3, 2}, NlmWindow{5, 2}}) {
+    for (std::size_t feature = 0; feature < 4; ++feature) {
+      CAPTURE(window.radius, window.patch_radius, feature);
+      check_deviation(frame.frame(), feature, window);
+    }
+  }
+}
+
+TEST_CASE("feature smoother: equals the reference for all sizes from 1 to 40") {
+  for (int size = 1; size <= 40; ++size) {
+    OwnedFrame frame(size, 41 - size, {{"normal", 3}});
+    fill_random(frame, static_cast<std::uint64_t>(size));
+    CAPTURE(size);
+    check_deviation(frame.frame(), 0, {2, 1});
+  }
+}
+
+TEST_CASE("feature smoother: all instruction sets of this machine agree with the reference") {
+  OwnedFrame frame(23, 17, kShapes);
+  fill_with_holes(frame, 8);
+  for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
+    hwy::SetSupportedTargetsForTest(targets & -targets);
+    CAPTURE(kernels::instruction_set());
+    check_deviation(frame.frame(), 2, {2, 1});
+    check_deviation(frame.frame(), 3, {5, 2});
+  }
+  hwy::SetSupportedTargetsForTest(0);
+}
+
+TEST_CASE("feature smoother: tiles of any size give identical bits, with holes and without") {
+  OwnedFrame frame(75, 45, kShapes);
+  fill_with_holes(frame, 9);
+  const Source source(frame.frame(), inspect(frame.frame()));
+  const Smoothed whole(source, 2, {2, 1}, {75, 45});
+  for (const Smoothed::Tile& tile : {Smoothed::Tile{16, 5}, Smoothed::Tile{32, 16}, Smoothed::Tile{48, 45}}) {
+    const Smoothed parts(source, 2, {2, 1}, tile);
+    int different = 0;
+    for (int y = 0; y < 45; ++y) {
+      for (int x = 0; x < 75; ++x) {
+        for (int k = 0; k < 3; ++k) {
+          different += whole.mean(k, x, y) == parts.mean(k, x, y) ? 0 : 1;
+          different += whole.kept(k, x, y) == parts.kept(k, x, y) ? 0 : 1;
+        }
+      }
+    }
+    CAPTURE(tile.width, tile.height);
+    CHECK(different == 0);
+  }
+}
+
+// A Monte Carlo experiment: the covariance of the smoothed feature with the pixel's own noise over its variance.
+TEST_CASE("feature smoother: of a pixel's noise as much is left as it says") {
+  for (const NlmWindow& window : {NlmWindow{2, 1}, SmoothFeatures::kWindow}) {
+    OwnedFrame frame(64, 64, {{"normal", 3}}, false);
+    Random random(17);
+    constexpr float kDeviation = 0.05F;
+    Statistics left;
+    Statistics said;
+    for (int draw = 0; draw < 20; ++draw) {
+      std::vector<double> noise;
+      for (const char* name : {"normal.X", "normal.Y", "normal.Z"}) {
+        for (int i = 0; i < 64 * 64; ++i) {
+          noise.push_back(random.normal());
+          frame.at(name, i % 64, i / 64) = 0.5F + kDeviation * static_cast<float>(noise.back());
+          frame.at(std::string("normal.variance.") + name[7], i % 64, i / 64) = kDeviation * kDeviation;
+        }
+      }
+      const Source source(frame.frame(), inspect(frame.frame()));
+      const Smoothed smoothed(source, 0, window, {64, 64});
+      double product = 0;
+      double kept = 0;
+      for (int i = 0; i < 64 * 64; ++i) {
+        const auto at = static_cast<std::size_t>(i);
+        for (int k = 0; k < 3; ++k) {
+          const double mean = smoothed.mean(k, i % 64, i / 64) - 0.5;
+          product += mean / kDeviation * noise[static_cast<std::size_t>(k) * 64 * 64 + at] / (3 * 64 * 64);
+          kept += smoothed.kept(k, i % 64, i / 64) / (3 * 64 * 64.0);
+        }
+      }
+      left.add(product);
+      said.add(kept);
+    }
+    CAPTURE(window.radius, left.mean(), left.standard_error(), said.mean());
+    CHECK(std::abs(left.mean() - said.mean()) < 4.0 * left.standard_error());
+    CHECK(left.standard_error() < 0.03 * said.mean());
+  }
+}
+
+TEST_CASE("smooth features: the means are smoothed, and as much noise is left as of a step") {
+  OwnedFrame frame(37, 21, {{"depth", 1}, {"unused", 2}, {"normal", 3}, {"other", 4}});
   fill_random(frame, 4);
   frame.at("R", 20, 9) = kNaN;
   frame.at("sampleCount", 0, 20) = 0;
@@ -107,30 +204,24 @@ TEST_CASE("smooth features: equal plain non-local means of each feature, and so 
   frame.at("depth.variance.Z", 30, 18) = -1;
   FeatureGuides guides;
   guides.feature_sigmas = {{"depth", 0.5F}, {"unused", 0.0F}, {"normal", 0.5F}, {"other", 2.0F}};
-  for (int y = 0; y < 21; ++y) {
-    for (int x = 0; x < 37; ++x) {
-      frame.at("other.W", x, y) = 0.5F;
-      frame.at("other.variance.W", x, y) = 1e-4F;
-    }
-  }
-  for (int i = 0; i < 4; ++i) {  // about to stand out: the derivative is above 1
-    frame.at("other.W", 3 + 9 * i, 6) += 0.01F * static_cast<float>(14 + 2 * i);
-  }
   const Source source(frame.frame(), inspect(frame.frame()));
   const SmoothFeatures smooth(source, guides, 32, 16, 21);
   REQUIRE(smooth.channels() == 8);
   prepare_all(smooth, frame.frame());
-  struct Part {
-    std::size_t feature;
-    int channel;
-    std::size_t first;
-    std::size_t count;
-  };
-  for (const Part& part : {Part{0, 0, 0, 1}, Part{2, 1, 0, 3}, Part{3, 4, 0, 3}, Part{3, 7, 3, 1}}) {
-    CAPTURE(part.feature, part.first);
-    const Deviation found = deviation(smooth, source, part.feature, part.channel, part.first, part.count);
-    CHECK(found.mean < 1e-5);
-    CHECK(found.variance < 1e-3);
+  int channel = 0;
+  for (const std::size_t feature : {std::size_t{0}, std::size_t{2}, std::size_t{3}}) {
+    const Smoothed alone(source, feature, SmoothFeatures::kWindow, {32, 16});
+    for (std::size_t k = 0; k < frame.frame().features[feature].mean.size(); ++k, ++channel) {
+      for (int i = 0; i < 37 * 21; ++i) {
+        const int x = i % 37;
+        const int y = i / 37;
+        float before = 0;
+        source.feature_variance_row(feature, k, y, x, 1, &before);
+        const float left = before >= Source::kNoInformation ? before : before * alone.kept(static_cast<int>(k), x, y);
+        CHECK(smooth.mean(channel, y)[x] == alone.mean(static_cast<int>(k), x, y));
+        CHECK(smooth.variance(channel, y)[x] == left);
+      }
+    }
   }
 }
 
@@ -147,8 +238,7 @@ TEST_CASE("smooth features: covariances shrink as the variances do") {
   std::vector<float> planes(12 * 19);
   float* rows[12];
   for (std::size_t k = 0; k < 12; ++k) rows[k] = planes.data() + 19 * k;
-  std::vector<float> line(19);
-  smooth.covariance_rows(7, 0, 19, line.data(), rows);
+  smooth.covariance_rows(7, 0, 19, rows);
   double least = 1;
   for (int x = 0; x < 19; ++x) {
     for (int k = 0; k < 4; ++k) {

@@ -26,12 +26,15 @@ struct Setting {
   Source source;
   GuideRows guides;
   explicit Setting(const Frame& frame) : source(frame, inspect(frame)), guides(make_rows(frame)) {
-    guides.prepare({0, 0, frame.width, frame.height});
+    exec::TileScratch scratch;
+    guides.prepare({0, 0, frame.width, frame.height}, scratch);
   }
   [[nodiscard]] const Frame& frame() const { return source.frame(); }
 
  private:
-  GuideRows make_rows(const Frame& frame) { return {source, params.guides, 0.0F, frame.height}; }
+  GuideRows make_rows(const Frame& frame) {
+    return {source, params.guides, 0.0F, {frame.height, frame.width, frame.height}};
+  }
 };
 
 /// The weighted means of all maps at pixel (x, y).

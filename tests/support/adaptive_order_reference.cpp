@@ -37,7 +37,7 @@ AdaptiveOrderReference::AdaptiveOrderReference(const AdaptiveOrderParams& params
     for (std::size_t k = 0; k < frame.features[f].mean.size(); ++k) channels_.emplace_back(f, k);
   }
   const SmoothFeatures smooth(source, params.guides, frame.width, frame.height, frame.height);
-  FilterScratch scratch;
+  exec::TileScratch scratch;
   smooth.prepare({0, 0, frame.width, frame.height}, scratch);
   for (int k = 0; k < smooth.channels(); ++k) {
     Vector mean;

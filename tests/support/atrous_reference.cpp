@@ -5,12 +5,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "support/feature_nlm_reference.hpp"
+
 namespace stein::test {
 namespace {
 
 constexpr std::array<double, 5> kSpline = {1.0 / 16, 4.0 / 16, 6.0 / 16, 4.0 / 16, 1.0 / 16};
 
-// The features of all pixels as the source gives them.
+// The features of all pixels as the source gives them, or smoothed.
 class Features {
  public:
   Features(const FeatureGuides& guides, const Source& source) : width_(source.frame().width) {
@@ -27,6 +29,7 @@ class Features {
         for (std::size_t k = 0; k < group.means.size(); ++k) rows[k] = &group.means[k][index(0, y)];
         source.feature_row(f, 1.0F, y, 0, width_, rows, &group.variance[index(0, y)]);
       }
+      if (guides.smoothing_radius > 0) smooth(source, f, guides.smoothing_radius, group);
       groups_.push_back(std::move(group));
     }
   }
@@ -52,6 +55,16 @@ class Features {
     std::vector<std::vector<float>> means;
     std::vector<float> variance;
   };
+  static void smooth(const Source& source, std::size_t feature, int radius, Group& group) {
+    const FeatureNlmReference reference(source, feature, {radius, 1});
+    for (int y = 0; y < source.frame().height; ++y) {
+      for (int x = 0; x < source.frame().width; ++x) {
+        const std::vector<double> means = reference.means(x, y);
+        for (std::size_t k = 0; k < means.size(); ++k)
+          group.means[k][pixel_index(source.frame().width, x, y)] = static_cast<float>(means[k]);
+      }
+    }
+  }
   int width_;
   double least_ = 0;
   std::vector<Group> groups_;

@@ -109,13 +109,13 @@ void fill_random(OwnedFrame& target, std::uint64_t seed) {
 BankResult run_filter(const FilterSpec& spec, const Frame& frame, const RunOptions& options) {
   const Source own(frame, inspect(frame));
   const Source source = options.perturbation ? own.perturbed(*options.perturbation) : own;
-  const GuideRows guides = make_guides(spec, source, frame.height);
-  guides.prepare({0, 0, frame.width, frame.height});
+  const GuideRows guides = make_guides(spec, source, {frame.height, frame.width, frame.height});
+  FilterScratch scratch;
+  guides.prepare({0, 0, frame.width, frame.height}, scratch);
   const auto filter = prepare(spec, {source, guides, options.tile_width, options.tile_height, frame.height,
                                      options.divergence, nullptr, options.counts});
   const exec::RowRing ring(filter->candidates() * CandidateRows::kPlanes, frame.width, frame.height);
   const CandidateRows rows(ring);
-  FilterScratch scratch;
   for (std::size_t pass = 0; pass < halos(spec).size(); ++pass) {
     for (int y = 0; y < frame.height; y += options.tile_height) {
       for (int x = 0; x < frame.width; x += options.tile_width) {
