@@ -32,7 +32,7 @@ struct FeatureGuides {
   float min_feature_variance = 0.01F;
 
   /// Features are smoothed before they guide: each by non-local means of its own 3x3 patches, over a window of this
-  /// radius. [0..5] px; 0: they guide as they are. Filters that are guided so have no closed derivative.
+  /// radius. [0..5] px; 0: they guide as they are. Banks that are guided so have no closed derivative.
   int smoothing_radius = 0;
 
   /// The sigma that a feature of this name guides with; 0: not at all.
@@ -124,8 +124,8 @@ struct AdaptiveOrderParams {
   /// The same for powers 2 and 3. None: 30, but `ridge` with OrderError::kTaylor, whose bias is what higher powers see.
   std::optional<float> curvature_ridge;
 
-  /// The features with a sigma are what is regressed on, at most 12 channels; only the smoothing of the risk makes use
-  /// of the sigma's value.
+  /// The features with a sigma are what is regressed on, at most 12 channels, smoothed in a way of their own; only the
+  /// smoothing of the risk makes use of the sigma's value and of smoothing_radius.
   FeatureGuides guides;
 
   void check() const;                                              ///< see stein::check

@@ -76,7 +76,8 @@ void GuideRows::prepare_feature(int g, int first_channel, const Rect& tile, exec
     }
     source_.feature_sample_variance_row(feature, y, tile.x0, n, row(channels_ + g, y));
     for (int k = 0; k < group.channels; ++k) {
-      for (int i = 0; i < n; ++i) means[k][i] *= group.factor;
+      for (int i = 0; i < n; ++i)
+        means[k][i] = std::clamp(means[k][i] * group.factor, -Source::kLargestMean, Source::kLargestMean);
     }
   }
 }

@@ -55,10 +55,18 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
+// Why, if the filter has one as a rule.
+std::string missing_closed_form(const FilterSpec& filter) {
+  const bool is_usual =
+      std::visit([](const auto& params) { return std::remove_cvref_t<decltype(params)>::kHasDerivative; }, filter);
+  return is_usual ? " with smoothed features" : "";
+}
+
 void require_closed_form(const FilterSpec& filter, Risk risk) {
   if (risk == Risk::kAuto || risk == Risk::kMonteCarlo || has_derivative(filter)) return;
   throw Error(ErrorCode::kInvalidArgument, "the filter '" + std::string(filter_name(filter)) +
-                                               "' has no risk in closed form; choose the Monte Carlo risk");
+                                               "' has no risk in closed form" + missing_closed_form(filter) +
+                                               "; choose the Monte Carlo risk");
 }
 
 void require_covariances(const Frame& frame, const NoisyGuides& noisy) {
@@ -149,7 +157,8 @@ RiskChoice choose_risk(const Frame& frame, const FilterSpec& filter, const Denoi
   require_closed_form(filter, params.risk);
   const NoisyGuides noisy = noisy_guides(frame, filter);
   if (params.risk == Risk::kMonteCarlo) return monte_carlo(frame, noisy, "it was asked for");
-  if (!has_derivative(filter)) return monte_carlo(frame, noisy, "the filter has no closed form");
+  if (!has_derivative(filter))
+    return monte_carlo(frame, noisy, "the filter has no closed form" + missing_closed_form(filter));
   if (params.risk == Risk::kJoint) require_covariances(frame, noisy);
   return closed_form(noisy, filter, params.risk);
 }

@@ -11,9 +11,6 @@ namespace stein {
 namespace {
 
 constexpr int kChunk = FeatureHoles::kMostPixels;
-// Scaled features are clipped to this: the square of their difference stays finite, and far below
-// Source::kNoInformation.
-constexpr float kLargest = 1e4F;
 // What the neighbours' mean weighs next to a feature's variance of few degrees of freedom, in degrees of freedom, and
 // how far they are away; measured (docs/inputs.md).
 constexpr float kNeighbourDegrees = 3.0F;
@@ -225,12 +222,13 @@ void Source::feature_mean_rows(std::size_t feature, float factor, int y, int x, 
   const float scale = feature_scales_[feature];
   for (std::size_t k = 0; k < channels; ++k) {
     source.mean[k].read_row(y, x, count, means[k]);
-    for (int i = 0; i < count; ++i) means[k][i] = std::clamp(means[k][i] * (scale * factor), -kLargest, kLargest);
+    for (int i = 0; i < count; ++i)
+      means[k][i] = std::clamp(means[k][i] * (scale * factor), -kLargestMean, kLargestMean);
   }
   if (perturbation_) add_steps(feature, factor, y, x, count, means);
   for_each_hole(feature, y, x, count, [&](int i, const std::optional<FeatureFill>& fill) {
     for (std::size_t k = 0; k < channels; ++k)
-      means[k][i] = fill ? std::clamp(fill->mean[k] * (scale * factor), -kLargest, kLargest) : 0.0F;
+      means[k][i] = fill ? std::clamp(fill->mean[k] * (scale * factor), -kLargestMean, kLargestMean) : 0.0F;
   });
 }
 

@@ -84,6 +84,8 @@ class Source {
   void feature_variance_row(std::size_t feature, std::size_t k, int y, int x, int count, float* out) const;
   /// Variance of what is to count nothing: large against any normalised distance, and does not overflow with it.
   static constexpr float kNoInformation = 1e10F;
+  /// To what means of features are cut off: the square of a difference stays finite, and far below kNoInformation.
+  static constexpr float kLargestMean = 1e4F;
 
  private:
   class Directions;

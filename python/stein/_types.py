@@ -51,6 +51,7 @@ class Options(TypedDict, total=False):
     order_error: Literal["risk", "taylor"]
     other_feature_sigma: float
     min_feature_variance: float
+    feature_smoothing: int
     range_sigma: float
     spatial_sigma: float
     window_radius: int

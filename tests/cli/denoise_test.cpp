@@ -90,6 +90,7 @@ TEST_CASE("denoise: parameters reach the filter") {
   CHECK(changes({"--filter", "adaptive-order,gaussian"}));
   CHECK(changes({"--quality", "fast"}));
   CHECK(changes({"--feature-sigma", "normal=0,albedo=0"}));
+  CHECK(changes({"--feature-smoothing", "0"}));
   CHECK(changes({"--selection", "argmin"}));
   CHECK(changes({"--strength", "0.5"}));
   CHECK_FALSE(changes({"--filter", "auto", "--quality", "default", "--bank", "final", "--selection", "evidence"}));
@@ -188,6 +189,9 @@ TEST_CASE("denoise: a risk that filter or file do not allow is an error that say
   CHECK(refusal({"--filter", "cross-bilateral", "--risk", "joint"}).find("covariances of the colour with") !=
         std::string::npos);
   CHECK(refusal({"--filter", "atrous", "--risk", "sure"}).find("no risk in closed form") != std::string::npos);
+  CHECK(refusal({"--filter", "cross-nlm", "--risk", "sure", "--feature-smoothing", "2"})
+            .find("no risk in closed form with smoothed features; choose") != std::string::npos);
+  CHECK(refusal({"--feature-smoothing", "6"}).find("smoothing_radius is 6") != std::string::npos);
   CHECK(refusal({"--risk", "monte-carlo", "--draws", "0"}).find("draws") != std::string::npos);
 }
 

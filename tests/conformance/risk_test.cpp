@@ -28,6 +28,10 @@ std::vector<FilterSpec> specs() {
   CrossBilateralParams smoothed;
   smoothed.guides.smoothing_radius = 2;
   all.emplace_back(smoothed);
+  CrossNlmParams smoothed_patches;
+  smoothed_patches.range_sigmas = {1.0F};
+  smoothed_patches.guides.smoothing_radius = 2;
+  all.emplace_back(smoothed_patches);
   for (FilterSpec& spec : all) {  // wider windows test nothing that a smaller one does not
     if (CrossNlmParams* params = std::get_if<CrossNlmParams>(&spec)) params->window_radius = 5;
     if (AdaptiveOrderParams* params = std::get_if<AdaptiveOrderParams>(&spec)) {
