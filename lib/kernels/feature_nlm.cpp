@@ -11,13 +11,12 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "kernels/patch_distance-inl.hpp"
 #include "kernels/weights-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace stein::kernels::HWY_NAMESPACE {
 
-// Exact pixels: the reciprocal of their noise must stay finite.
-constexpr float kLeastFeatureNoise = 1e-24F;
 constexpr auto kNaturalLog2 = static_cast<float>(std::numbers::ln2);
 
 // Fields over the rows, `line` floats from one to the next. The first pixel of the patches' sums lies a patch's radius
@@ -54,7 +53,7 @@ HWY_INLINE FeatureFields take_fields(const FeatureNlmRows& rows) {
 
 HWY_INLINE FloatVec pair_factor(FloatTag d, const FeatureNlmRows& rows, std::ptrdiff_t a, std::ptrdiff_t b) {
   const FloatVec noise = hn::Add(hn::LoadU(d, rows.noise + a), hn::LoadU(d, rows.noise + b));
-  return reciprocal(d, hn::Max(noise, hn::Set(d, kLeastFeatureNoise)));
+  return reciprocal(d, hn::Max(noise, hn::Set(d, kLeastNoise)));
 }
 
 // The distance of the pixels at a and b.
@@ -101,13 +100,6 @@ HWY_INLINE void sum_pairs(FloatTag d, const FeatureNlmRows& rows, std::ptrdiff_t
   }
 }
 
-template <int kRadius>
-HWY_INLINE FloatVec patch_sum(FloatTag d, const float* HWY_RESTRICT sums) {
-  FloatVec sum = hn::LoadU(d, sums);
-  for (int n = 1; n <= 2 * kRadius; ++n) sum = hn::Add(sum, hn::LoadU(d, sums + n));
-  return sum;
-}
-
 // Adds w times what a step of the pixel adds to half the distance of the patches, channel by channel: by the pair at
 // their middles, and where the neighbour's patch has the pixel in it by that pair, too. `share`: of a pair in the
 // distance.
@@ -148,8 +140,9 @@ HWY_INLINE void add_neighbour(FloatTag d, const FeatureNlmRows& rows, const Feat
       const std::ptrdiff_t at = y * rows.pitch + k;
       const std::ptrdiff_t neighbour = at + tap.offset;
       FloatVec share = hn::Set(d, 1.0F / static_cast<float>((2 * kRadius + 1) * (2 * kRadius + 1)));
-      if constexpr (kMasked) share = hn::Div(one, hn::Max(patch_sum<kRadius>(d, fields.mask_sums + field), one));
-      const FloatVec mean = hn::Mul(patch_sum<kRadius>(d, fields.pair_sums + field), share);
+      if constexpr (kMasked)
+        share = hn::Div(one, hn::Max(patch_sum<kRadius>(d, kRadius, fields.mask_sums + field), one));
+      const FloatVec mean = hn::Mul(patch_sum<kRadius>(d, kRadius, fields.pair_sums + field), share);
       FloatVec w = exp2_negative(d, hn::Mul(hn::Max(mean, hn::Zero(d)), exponent));
       if constexpr (kMasked) w = hn::Mul(w, hn::LoadU(d, rows.mask + neighbour));
       hn::Store(hn::Add(hn::Load(d, fields.weights + field), w), d, fields.weights + field);

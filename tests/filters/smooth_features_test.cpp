@@ -115,6 +115,28 @@ TEST_CASE("feature smoother: equals plain non-local means for any number of chan
   }
 }
 
+TEST_CASE("feature smoother: more than all of a step is never left") {
+  OwnedFrame frame(37, 21, {{"other", 1}});
+  fill_random(frame, 4);
+  for (int i = 0; i < 37 * 21; ++i) {
+    frame.at("other.Z", i % 37, i / 37) = 0.5F;
+    frame.at("other.variance.Z", i % 37, i / 37) = 1e-4F;
+  }
+  for (int i = 0; i < 4; ++i) {  // about to stand out: the derivative is above 1
+    frame.at("other.Z", 3 + 9 * i, 6) += 0.01F * static_cast<float>(14 + 2 * i);
+  }
+  const Source source(frame.frame(), inspect(frame.frame()));
+  const Smoothed smoothed(source, 0, SmoothFeatures::kWindow, {32, 16});
+  FeatureNlmReference reference(source, 0, SmoothFeatures::kWindow);
+  int all = 0;
+  for (int i = 0; i < 4; ++i) {
+    const double expected = reference.kept(3 + 9 * i, 6, 0);
+    CHECK(std::abs(smoothed.kept(0, 3 + 9 * i, 6) - expected) < 1e-3);
+    all += expected == 1.0 ? 1 : 0;
+  }
+  CHECK(all > 0);
+}
+
 TEST_CASE("feature smoother: equals the reference for all sizes from 1 to 40") {
   for (int size = 1; size <= 40; ++size) {
     OwnedFrame frame(size, 41 - size, {{"normal", 3}});
