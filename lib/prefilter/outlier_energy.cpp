@@ -9,10 +9,10 @@ namespace {
 
 // Sum of a Gaussian around `centre` over the pixels of a line.
 float sum_within(const std::vector<float>& gaussian, int centre, int length) {
-  const int radius = static_cast<int>(gaussian.size()) - 1;
+  const int radius = static_cast<int>(gaussian.size()) / 2;
   float sum = 0;
   for (int i = std::max(centre - radius, 0); i <= std::min(centre + radius, length - 1); ++i)
-    sum += gaussian[static_cast<std::size_t>(std::abs(i - centre))];
+    sum += gaussian[static_cast<std::size_t>(i - centre + radius)];
   return sum;
 }
 
@@ -21,7 +21,7 @@ float sum_within(const std::vector<float>& gaussian, int centre, int length) {
 OutlierEnergy::OutlierEnergy(const Source& source, const LayerSource& layers, float sigma)
     : source_(source), layers_(layers), radius_(static_cast<int>(std::ceil(kReach * sigma))) {
   if (sigma <= 0.0F) return;
-  for (int i = 0; i <= radius_; ++i) {
+  for (int i = -radius_; i <= radius_; ++i) {
     const float distance = static_cast<float>(i) / sigma;
     gaussian_.push_back(std::exp(-0.5F * distance * distance));
   }
@@ -47,9 +47,10 @@ void OutlierEnergy::add(const Lost& lost, int y, int x, int count, float factor,
     const int x0 = std::max(pixel.x - radius_, x);
     const int x1 = std::min(pixel.x + radius_ + 1, x + count);
     if (x0 >= x1) continue;
-    const float of_row = gaussian_[static_cast<std::size_t>(std::abs(y - pixel.y))];
-    const float peak = factor * lost(pixel) * outliers_[i].inverse_sum * of_row;
-    for (int u = x0; u < x1; ++u) out[u - x] += peak * gaussian_[static_cast<std::size_t>(std::abs(u - pixel.x))];
+    const float peak = factor * lost(pixel) * outliers_[i].inverse_sum * gaussian(y - pixel.y);
+    const float* line = gaussian_.data() + (x0 - pixel.x + radius_);
+    float* to = out + (x0 - x);
+    for (int u = 0; u < x1 - x0; ++u) to[u] += peak * line[u];
   }
 }
 
@@ -67,7 +68,7 @@ void OutlierEnergy::add_divergence(int channel, int y, int x, int count, float f
   for (std::size_t i = first_in_row_[row]; i < first_in_row_[row + 1]; ++i) {
     const ReplacedPixel& pixel = *outliers_[i].pixel;
     if (pixel.x < x || pixel.x >= x + count) continue;
-    const float share = outliers_[i].inverse_sum * gaussian_[0] * gaussian_[0];
+    const float share = outliers_[i].inverse_sum * gaussian(0) * gaussian(0);
     out[pixel.x - x] += factor * share * (1.0F - pixel.response) * variance.at(pixel.x, y);
   }
 }

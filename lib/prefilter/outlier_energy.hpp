@@ -33,13 +33,16 @@ class OutlierEnergy {
     const ReplacedPixel* pixel;
     float inverse_sum;  // of the Gaussian within the image
   };
+  [[nodiscard]] float gaussian(int distance) const noexcept {
+    return gaussian_[static_cast<std::size_t>(distance + radius_)];
+  }
   template <class Lost>
   void add(const Lost& lost, int y, int x, int count, float factor, float* out) const;
 
   const Source& source_;
   const LayerSource& layers_;
   int radius_;
-  std::vector<float> gaussian_;  // at distance 0, 1, ...
+  std::vector<float> gaussian_;  // at distances -radius_ to radius_
   std::vector<Outlier> outliers_;
   std::vector<std::size_t> first_in_row_;  // height + 1 indices into outliers_
 };

@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace stein {
 namespace {
+
+constexpr int kBandRows = 16;  // looked at by one thread at a time; each row is loaded for its neighbours, too
 
 // Mean over the channels, its standard error, and validity of the pixels of one row, with one pixel of margin at both
 // ends.
@@ -61,13 +64,11 @@ float student_factor(float degrees_of_freedom) {
 // lemma for counts, docs/risk.md: the slope is that between a path less and none less.)
 float response_of(float lost, float error) { return std::max(1.0F - lost / error, -1.0F); }
 
-OutlierReport outliers_of_row(const Source& source, const OutlierParams& params, int y) {
-  const BrightnessRow above = load_brightness(source, y - 1);
-  const BrightnessRow here = load_brightness(source, y);
-  const BrightnessRow below = load_brightness(source, y + 1);
-  const BrightnessRow* const rows[3] = {&above, &here, &below};
+// Adds those of the row in the middle.
+void add_outliers(const Source& source, const OutlierParams& params, const BrightnessRow* const (&rows)[3], int y,
+                  OutlierReport& report) {
+  const BrightnessRow& here = *rows[1];
   const float support = params.support * student_factor(source.frame().degrees_of_freedom);
-  OutlierReport report;
   for (std::size_t x = 1; x + 1 < here.mean.size(); ++x) {
     const float mean = here.mean[x];
     if (here.valid[x] == 0.0F || mean <= 0.0F) continue;
@@ -87,19 +88,35 @@ OutlierReport outliers_of_row(const Source& source, const OutlierParams& params,
     }
     report.pixels.push_back(pixel);
   }
+}
+
+OutlierReport outliers_of_rows(const Source& source, const OutlierParams& params, int first, int end) {
+  OutlierReport report;
+  BrightnessRow above = load_brightness(source, first - 1);
+  BrightnessRow here = load_brightness(source, first);
+  for (int y = first; y < end; ++y) {
+    BrightnessRow below = load_brightness(source, y + 1);
+    add_outliers(source, params, {&above, &here, &below}, y, report);
+    above = std::move(here);
+    here = std::move(below);
+  }
   return report;
 }
 
 }  // namespace
 
 OutlierReport find_outliers(const Source& source, const OutlierParams& params, exec::Runner& runner) {
-  std::vector<OutlierReport> rows(static_cast<std::size_t>(source.frame().height));
-  runner.for_each(source.frame().height, 0.0,
-                  [&](int y, int) { rows[static_cast<std::size_t>(y)] = outliers_of_row(source, params, y); });
+  const int height = source.frame().height;
+  std::vector<OutlierReport> bands(static_cast<std::size_t>((height + kBandRows - 1) / kBandRows));
+  runner.for_each(static_cast<int>(bands.size()), 0.0, [&](int band, int) {
+    const int first = band * kBandRows;
+    bands[static_cast<std::size_t>(band)] =
+        outliers_of_rows(source, params, first, std::min(first + kBandRows, height));
+  });
   OutlierReport all;
-  for (const OutlierReport& row : rows) {
-    all.pixels.insert(all.pixels.end(), row.pixels.begin(), row.pixels.end());
-    all.removed += row.removed;
+  for (const OutlierReport& band : bands) {
+    all.pixels.insert(all.pixels.end(), band.pixels.begin(), band.pixels.end());
+    all.removed += band.removed;
   }
   return all;
 }

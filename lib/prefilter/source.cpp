@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "kernels/directions.hpp"
 #include "prefilter/feature_fill.hpp"
 
 namespace stein {
@@ -37,13 +38,6 @@ float quantile(std::vector<float>& values, double fraction) {
   const auto nth = values.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), nth, values.end());
   return *nth;
-}
-
-// A covariance of two means cannot exceed their standard deviations (Cauchy-Schwarz); what is no number counts as 0.
-float bounded_covariance(float covariance, float variance_a, float variance_b) {
-  const float limit = std::sqrt(variance_a) * std::sqrt(variance_b);
-  if (!(limit > 0.0F) || !std::isfinite(covariance)) return 0.0F;
-  return std::clamp(covariance, -limit, limit);
 }
 
 }  // namespace
@@ -96,7 +90,7 @@ void Source::input_covariance_row(std::size_t a, std::size_t b, int y, int x, in
     return;
   }
   plane.read_row(y, x, count, out);
-  for (int i = 0; i < count; ++i) out[i] = bounded_covariance(out[i], va[i], vb[i]);
+  kernels::bounded_covariance_row(out, va, vb, 1.0F, count, out);
 }
 
 void Source::scale_responses(int y, int x, int count, float* values) const {
@@ -129,8 +123,7 @@ void Source::feature_covariance_row(std::size_t channel, std::size_t feature, st
     input_variance_row(channel, y, x + start, part, va);
     source.variance[k].read_row(y, x + start, part, vb);
     plane.read_row(y, x + start, part, out + start);
-    for (int i = 0; i < part; ++i)
-      out[start + i] = bounded_covariance(out[start + i], va[i], vb[i]) * (feature_scales_[feature] * factor);
+    kernels::bounded_covariance_row(out + start, va, vb, feature_scales_[feature] * factor, part, out + start);
     if (feature_has_bad_[feature] == 0) continue;
     feature_validity_row(source, y, x + start, part, va);
     for (int i = 0; i < part; ++i) out[start + i] = va[i] != 0.0F ? out[start + i] : 0.0F;

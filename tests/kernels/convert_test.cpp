@@ -14,6 +14,7 @@
 
 #include "catch.hpp"
 #include "kernels/guides.hpp"
+#include "kernels/instruction_sets.hpp"
 
 namespace stein::kernels {
 namespace {
@@ -35,23 +36,6 @@ float value_of_half(std::uint16_t half) {
 
 bool is_same(float a, float b) {
   return (std::isnan(a) && std::isnan(b)) || std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
-}
-
-// Calls body() once per instruction set of this machine that the kernels are compiled for; returns their names.
-template <class Body>
-std::set<std::string> for_each_instruction_set(Body body) {
-  std::set<std::string> names;
-  for (std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS; targets != 0; targets &= targets - 1) {
-    hwy::SetSupportedTargetsForTest(targets & -targets);
-    const std::string name = instruction_set();
-    if (name == hwy::TargetName(targets & -targets)) {
-      names.insert(name);
-      INFO(name);
-      body();
-    }
-    hwy::SetSupportedTargetsForTest(0);
-  }
-  return names;
 }
 
 }  // namespace
