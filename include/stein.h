@@ -131,8 +131,8 @@ STEIN_API stein_status stein_params_set_text(stein_params* params, const char* n
  *   feature-sigma.<feature>  how strongly a feature of the frame guides; smaller is stronger, 0: not at all
  *   range-sigma              range term on the colour, in radiance; 0: off
  *   other-feature-sigma, min-feature-variance, feature-smoothing, spatial-sigma, window-radius, patch-radius,
- *   patch-blur, noise-threshold, ridge, curvature-ridge, levels, value-sigma, fixed-weight, noise-margin, weight-steps:
- *                            parameters of the filters that have them (stein/filters.hpp)
+ *   patch-blur, noise-threshold, ridge, curvature-ridge, levels, value-sigma, fixed-weight, noise-margin, weight-steps,
+ *   plain (0 or 1):          parameters of the filters that have them (stein/filters.hpp)
  *   strength                 0 (the input) to 1 (the reconstruction)
  *   draws, seed              of the Monte Carlo risk: 1 to 16 runs; 0 to 2^53
  *   outliers, strict         0 or 1: scale fireflies down; fail on values that would be repaired

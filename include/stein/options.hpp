@@ -33,8 +33,8 @@ void set_option(DenoiseParams& params, const std::string& name, const std::strin
 /// Numbers; whole ones where they count. Of filters that have such a parameter: feature-sigma.<feature>,
 /// other-feature-sigma, min-feature-variance, feature-smoothing, range-sigma, spatial-sigma, window-radius,
 /// patch-radius, patch-blur, noise-threshold, ridge, curvature-ridge, levels, value-sigma, fixed-weight, noise-margin,
-/// weight-steps; and of the rest: strength, draws, seed (0 to 2^53), outliers, second-pass and strict (0 or 1),
-/// threads, tile-width, tile-height, max-memory (bytes; 0: no limit).
+/// weight-steps, plain (0 or 1); and of the rest: strength, draws, seed (0 to 2^53), outliers, second-pass and strict
+/// (0 or 1), threads, tile-width, tile-height, max-memory (bytes; 0: no limit).
 void set_option(DenoiseParams& params, const std::string& name, double value);
 
 /// Whether the filter has a cheaper bank, so that the option `bank` is one of its own.

@@ -47,7 +47,9 @@ void with_member(Filters& filters, const std::string& name, const Pick& pick, co
 template <class Pick>
 void set_number(Filters& filters, const std::string& name, double value, const Pick& pick) {
   with_member(filters, name, pick, [&]<class Member>(Member& member) {
-    if constexpr (std::integral<Member>) {
+    if constexpr (std::same_as<Member, bool>) {
+      member = whole(name, value, 1) != 0;
+    } else if constexpr (std::integral<Member>) {
       member = static_cast<Member>(whole(name, value));
     } else {
       member = static_cast<float>(value);
@@ -87,6 +89,7 @@ constexpr auto kValueSigma = [](auto& p) -> decltype((p.value_sigma)) { return p
 constexpr auto kFixedWeight = [](auto& p) -> decltype((p.fixed_weight)) { return p.fixed_weight; };
 constexpr auto kNoiseMargin = [](auto& p) -> decltype((p.noise_margin)) { return p.noise_margin; };
 constexpr auto kWeightSteps = [](auto& p) -> decltype((p.weight_steps)) { return p.weight_steps; };
+constexpr auto kPlain = [](auto& p) -> decltype((p.plain)) { return p.plain; };
 constexpr auto kOtherSigma = [](auto& p) -> decltype((p.guides.other_feature_sigma)) {
   return p.guides.other_feature_sigma;
 };
@@ -191,6 +194,7 @@ constexpr auto kNumbers = std::to_array<Option<Filters, double>>({
     {"fixed-weight", set_number_of<kFixedWeight>},
     {"noise-margin", set_number_of<kNoiseMargin>},
     {"weight-steps", set_number_of<kWeightSteps>},
+    {"plain", set_number_of<kPlain>},
 });
 
 }  // namespace

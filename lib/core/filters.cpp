@@ -227,7 +227,10 @@ std::vector<std::string> AdaptiveOrderParams::candidate_names() const {
 
 std::vector<std::string> AtrousParams::candidate_names() const { return {"levels=" + std::to_string(levels)}; }
 
-std::vector<std::string> AtrousSureParams::candidate_names() const { return {"levels=" + std::to_string(levels)}; }
+std::vector<std::string> AtrousSureParams::candidate_names() const {
+  const std::string name = "levels=" + std::to_string(levels);
+  return plain ? std::vector{name, name + " plain"} : std::vector{name};
+}
 
 float FeatureGuides::sigma_of(std::string_view feature) const {
   for (const FeatureSigma& entry : feature_sigmas) {

@@ -30,6 +30,7 @@ struct Detail {
   float fixed_weight = 0;  // below 0: by SURE
   float margin = 1;
   int weight_steps = 0;
+  bool has_plain = false;  // the last level's means are candidate 1
 };
 
 // Pass 0 reads the frame: colours, and the noise, smoothed along the features. Pass 1 + i goes from level i to the
@@ -53,7 +54,7 @@ class Atrous final : public PreparedFilter {
     }
   }
 
-  [[nodiscard]] int candidates() const noexcept override { return 1; }
+  [[nodiscard]] int candidates() const noexcept override { return detail_.has_plain ? 2 : 1; }
 
   void run(int pass, const Rect& tile, FilterScratch& scratch, const CandidateRows& out) const override {
     if (pass == 0) {
@@ -129,12 +130,18 @@ class Atrous final : public PreparedFilter {
       set_source(level, tile.x0, y, row);
       for (int c = 0; c < 3; ++c) {
         row.result[c] = out.result(0, c, y) + tile.x0;
-        if (!row.is_last) row.next_colour[c] = next(level).row(c, y) + tile.x0;
+        row.next_colour[c] = means_row(level, c, y, out, tile.x0);
       }
       if (!row.is_last) row.next_noise = next(level).row(kNoisePlane, y) + tile.x0;
       set_layers(level, tile.x0, y, row.is_last, layers, out);
       kernels::atrous_row(row);
     }
+  }
+
+  // Where the level's means go: to the next one, or from the last one to the plain candidate.
+  [[nodiscard]] float* means_row(int level, int c, int y, const CandidateRows& out, int x) const {
+    if (level + 1 < levels_) return next(level).row(c, y) + x;
+    return detail_.has_plain ? out.result(1, c, y) + x : nullptr;
   }
 
   void set_source(int level, int x, int y, kernels::AtrousRow& row) const {
@@ -168,7 +175,7 @@ class Atrous final : public PreparedFilter {
       layers.set_value(kernels::kAtrousTaps * count + k, ring.row(plane, y) + x);
       if (!is_last) layers.set_result(count + k, next(level).row(plane, y) + x);
     }
-    layers.set_results(out, 1, x, y);
+    layers.set_results(out, is_last ? candidates() : 1, x, y);
   }
 
   [[nodiscard]] const exec::RowRing& next(int level) const { return rings_[static_cast<std::size_t>(level) + 1]; }
@@ -232,7 +239,7 @@ GuideRows make_guides(const AtrousSureParams& params, const Source& source, cons
 }
 
 std::unique_ptr<PreparedFilter> prepare(const AtrousSureParams& params, const FilterContext& context) {
-  const Detail detail{params.fixed_weight.value_or(-1.0F), params.noise_margin, params.weight_steps};
+  const Detail detail{params.fixed_weight.value_or(-1.0F), params.noise_margin, params.weight_steps, params.plain};
   return std::make_unique<Atrous>(plain(params), detail, context);
 }
 

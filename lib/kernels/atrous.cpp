@@ -121,7 +121,7 @@ HWY_INLINE void finish_layers(FloatTag d, const AtrousRow& row, std::ptrdiff_t x
     FloatVec total = row.is_first ? hn::Zero(d) : hn::LoadU(d, result);
     total = hn::MulAdd(detail_weight, hn::Sub(centre, mean), total);
     hn::StoreU(row.is_last ? hn::Add(total, mean) : total, d, result);
-    if (!row.is_last) hn::StoreU(mean, d, row.layers.result[count + k] + x);
+    if (row.next_colour[0] != nullptr) hn::StoreU(mean, d, row.layers.result[count + k] + x);
   }
 }
 
@@ -149,7 +149,7 @@ HWY_INLINE void finish_pixels(FloatTag d, const AtrousRow& row, std::ptrdiff_t x
     FloatVec total = row.is_first ? hn::Zero(d) : hn::LoadU(d, row.result[c] + x);
     total = hn::MulAdd(w, hn::Sub(centre.colour[c], mean[c]), total);
     hn::StoreU(row.is_last ? hn::Add(total, mean[c]) : total, d, row.result[c] + x);
-    if (!row.is_last) hn::StoreU(mean[c], d, row.next_colour[c] + x);
+    if (row.next_colour[c] != nullptr) hn::StoreU(mean[c], d, row.next_colour[c] + x);
   }
   if constexpr (kLayers) finish_layers(d, row, x, weight, w, i);
   if (row.is_last) return;

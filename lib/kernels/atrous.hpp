@@ -40,12 +40,12 @@ struct AtrousRow {
   int weight_steps = 0;  ///< weights are rounded to multiples of 1 / weight_steps; 0: any in [0, 1]
 
   bool is_first = false;  ///< the result starts here
-  bool is_last = false;   ///< c' is added to the result; next_colour and next_noise are not written
-  float* next_colour[3];  ///< out: c'; c where no tap has weight
+  bool is_last = false;   ///< c' is added to the result; next_noise is not written
+  float* next_colour[3];  ///< out: c'; c where no tap has weight; or null
   float* next_noise = nullptr;
   float* result[3];  ///< in and out
   /// Values at [row * count + channel], and behind those of kAtrousTaps rows the centre's; results at [channel], in and
-  /// out, and behind them c'; with atrous_layer_scratch(count) floats.
+  /// out, and, unless next_colour is null, behind them c'; with atrous_layer_scratch(count) floats.
   LayerChannels layers;
 };
 

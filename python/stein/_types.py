@@ -65,6 +65,7 @@ class Options(TypedDict, total=False):
     fixed_weight: float
     noise_margin: float
     weight_steps: int
+    plain: bool
 
 
 class FilterShare(TypedDict):

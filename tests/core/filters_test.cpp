@@ -141,6 +141,13 @@ TEST_CASE("A value out of range is refused with parameter, value and range") {
   check_messages(messages, "cross-bilateral");
 }
 
+TEST_CASE("atrous-sure has the picture without details for a candidate, unless it is not wanted") {
+  stein::AtrousSureParams params;
+  CHECK(stein::candidate_names(params) == std::vector<std::string>{"input", "levels=5", "levels=5 plain"});
+  params.plain = false;
+  CHECK(stein::candidate_names(params) == std::vector<std::string>{"input", "levels=5"});
+}
+
 TEST_CASE("The ranges of the à-trous filters") {
   using Plain = stein::AtrousParams;
   using Sure = stein::AtrousSureParams;

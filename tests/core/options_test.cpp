@@ -74,13 +74,18 @@ TEST_CASE("Options of filters set the parameters of their names") {
   CHECK(order.ridge == 0.5F);
   CHECK(order.curvature_ridge == 20.0F);
 
-  const auto atrous = filter_after<stein::AtrousSureParams>(
-      {}, {{"levels", 3}, {"value-sigma", 2}, {"fixed-weight", 0.75}, {"noise-margin", 1}, {"weight-steps", 5}});
+  const auto atrous = filter_after<stein::AtrousSureParams>({}, {{"levels", 3},
+                                                                 {"value-sigma", 2},
+                                                                 {"fixed-weight", 0.75},
+                                                                 {"noise-margin", 1},
+                                                                 {"weight-steps", 5},
+                                                                 {"plain", 0}});
   CHECK(atrous.levels == 3);
   CHECK(atrous.value_sigma == 2.0F);
   CHECK(atrous.fixed_weight == 0.75F);
   CHECK(atrous.noise_margin == 1.0F);
   CHECK(atrous.weight_steps == 5);
+  CHECK_FALSE(atrous.plain);
 }
 
 TEST_CASE("Banks: the cheaper one, and back") {
@@ -146,4 +151,6 @@ TEST_CASE("Options that cannot be are refused with what can") {
     CAPTURE(message, part);
     CHECK(message.find(part) != std::string::npos);
   }
+  params.filters = {stein::AtrousSureParams{}};
+  CHECK(number("plain", 2).find("plain is 2, must be a whole number in [0..1]") != std::string::npos);
 }
