@@ -186,8 +186,9 @@ struct AtrousSureParams {
   /// Shares are multiples of 1 / weight_steps, [0..100]; 0: any. 5 are those of the paper.
   int weight_steps = 0;
 
-  /// Whether the picture without any details, which is that of AtrousParams and at hand, is a second candidate.
-  bool plain = true;
+  /// Whether the picture without any details, which is that of AtrousParams and at hand, is a second candidate. On in
+  /// the mixture of Quality::kDefault.
+  bool plain = false;
 
   void check() const;                                              ///< see stein::check
   [[nodiscard]] std::vector<std::string> candidate_names() const;  ///< without the unfiltered input

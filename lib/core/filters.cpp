@@ -170,7 +170,9 @@ std::vector<FilterSpec> filters_of(Quality quality) {
     return {AdaptiveOrderParams{}, CrossNlmParams{}, CrossBilateralParams{}, AtrousSureParams{}};
   AdaptiveOrderParams regression;
   regression.orders = {0, 1};
-  return {regression, AtrousSureParams{}};
+  AtrousSureParams atrous;
+  atrous.plain = true;
+  return {regression, atrous};
 }
 
 bool has_derivative(const FilterSpec& spec) {

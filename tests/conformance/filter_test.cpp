@@ -68,6 +68,7 @@ std::vector<FilterSpec> specs() {
   all.emplace_back(with_range);
   AtrousSureParams half_kept;
   half_kept.fixed_weight = 0.5F;
+  half_kept.plain = true;
   all.emplace_back(half_kept);
   CrossNlmParams absolute;
   absolute.distance = PatchDistance::kAbsolute;

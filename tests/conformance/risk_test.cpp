@@ -42,6 +42,7 @@ std::vector<FilterSpec> specs() {
   for (const float weight : {0.2F, 0.4F, 0.6F, 0.8F, 1.0F}) {  // 0 is the plain filter
     AtrousSureParams kept;
     kept.fixed_weight = weight;
+    kept.plain = weight == 0.2F;
     all.emplace_back(kept);
   }
   return all;

@@ -141,11 +141,12 @@ TEST_CASE("A value out of range is refused with parameter, value and range") {
   check_messages(messages, "cross-bilateral");
 }
 
-TEST_CASE("atrous-sure has the picture without details for a candidate, unless it is not wanted") {
+TEST_CASE("atrous-sure has the picture without details for a second candidate where it is wanted, as by default") {
   stein::AtrousSureParams params;
-  CHECK(stein::candidate_names(params) == std::vector<std::string>{"input", "levels=5", "levels=5 plain"});
-  params.plain = false;
   CHECK(stein::candidate_names(params) == std::vector<std::string>{"input", "levels=5"});
+  params.plain = true;
+  CHECK(stein::candidate_names(params) == std::vector<std::string>{"input", "levels=5", "levels=5 plain"});
+  CHECK(stein::candidate_names(stein::filters_of(stein::Quality::kDefault)).back() == "atrous-sure levels=5 plain");
 }
 
 TEST_CASE("The ranges of the à-trous filters") {

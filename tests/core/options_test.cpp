@@ -79,13 +79,13 @@ TEST_CASE("Options of filters set the parameters of their names") {
                                                                  {"fixed-weight", 0.75},
                                                                  {"noise-margin", 1},
                                                                  {"weight-steps", 5},
-                                                                 {"plain", 0}});
+                                                                 {"plain", 1}});
   CHECK(atrous.levels == 3);
   CHECK(atrous.value_sigma == 2.0F);
   CHECK(atrous.fixed_weight == 0.75F);
   CHECK(atrous.noise_margin == 1.0F);
   CHECK(atrous.weight_steps == 5);
-  CHECK_FALSE(atrous.plain);
+  CHECK(atrous.plain);
 }
 
 TEST_CASE("Banks: the cheaper one, and back") {

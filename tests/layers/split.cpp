@@ -95,6 +95,9 @@ std::vector<std::vector<FilterSpec>> layer_filters() {
   AdaptiveOrderParams taylor;
   taylor.error = OrderError::kTaylor;
   specs.emplace_back(taylor);
+  AtrousSureParams with_plain;
+  with_plain.plain = true;
+  specs.emplace_back(with_plain);
   AdaptiveOrderParams without_colour_weights;
   without_colour_weights.range_sigmas.clear();
   specs.emplace_back(without_colour_weights);
