@@ -26,7 +26,7 @@ struct DirectionRows {
   const float* covariance[3] = {};  ///< of channels 0 and 1, 0 and 2, 1 and 2, bounded as above
   const float* sign[3] = {};        ///< z
   float* colour[3] = {};            ///< b
-  float* solved[3] = {};            ///< S^+ b
+  float* solved[3] = {};            ///< S^+ b; of a singular S a generalised inverse's
   float* deviation[3] = {};         ///< square roots of the variances
 };
 void direction_rows(const DirectionRows& rows);

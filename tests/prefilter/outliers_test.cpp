@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "prefilter/outliers.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -192,6 +193,36 @@ TEST_CASE("outliers: two bright pixels side by side support each other") {
     CHECK(find(frame).pixels.empty());
     set_pixel(frame, 3 + 2 * dx, 3 + 2 * dy, 2.5F, 1.0F);  // a line of three
     CHECK(find(frame).pixels.empty());
+  }
+}
+
+TEST_CASE("outliers: a tall image, looked at in bands of rows, has those of the same image lying on its side") {
+  constexpr int kLength = 83;
+  OwnedFrame tall(7, kLength, {});
+  OwnedFrame wide(kLength, 7, {});
+  make_flat(tall, 1.0F, 0.1F);
+  make_flat(wide, 1.0F, 0.1F);
+  Random random(9);
+  for (int i = 0; i < kLength; ++i) {
+    for (int k = 0; k < 7; ++k) {
+      const float value = static_cast<float>(1.0 + 2.0 * random.uniform());
+      set_pixel(tall, k, i, value, 1.0F);
+      set_pixel(wide, i, k, value, 1.0F);
+    }
+  }
+  OutlierParams params;
+  params.excess = 0.1F;
+  const OutlierReport down = find(tall, params);
+  const OutlierReport across = find(wide, params);
+  CHECK(down.pixels.size() > 20);
+  REQUIRE(down.pixels.size() == across.pixels.size());
+  CHECK(down.removed == Approx(across.removed));
+  int before = -1;
+  for (const ReplacedPixel& p : down.pixels) {
+    CHECK(p.y * 7 + p.x > before);
+    before = p.y * 7 + p.x;
+    CHECK(std::any_of(across.pixels.begin(), across.pixels.end(),
+                      [&](const ReplacedPixel& q) { return q.x == p.y && q.y == p.x && q.colour == p.colour; }));
   }
 }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "catch.hpp"
 #include "prefilter/source.hpp"
@@ -75,6 +78,55 @@ TEST_CASE("source: a perturbation moves colours and features by its step, and in
     sum += std::abs(step);
   }
   CHECK(sum > 0.01);
+}
+
+TEST_CASE("source: what moves does not depend on where a row is cut, nor on how long it is") {
+  constexpr int kWidth = 1100;  // rows are worked on in parts
+  OwnedFrame owned(kWidth, 2, kUsualFeatures);
+  fill_random(owned, 12);
+  const Source source(owned.frame(), inspect(owned.frame()));
+  const Source moved = source.perturbed({3, 1, 0.5F});
+  std::vector<float> whole[4];
+  for (std::vector<float>& row : whole) row.resize(kWidth);
+  for (std::size_t c = 0; c < 3; ++c) moved.direction_row(c, 1, 0, kWidth, whole[c].data());
+  moved.feature_direction_row(1, 2, 1.0F, 1, 0, kWidth, whole[3].data());
+  for (const auto& [x, count] : {std::pair(0, 1), std::pair(3, 15), std::pair(505, 17), std::pair(1, 1099)}) {
+    std::vector<float> part(static_cast<std::size_t>(count));
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (k < 3) moved.direction_row(k, 1, x, count, part.data());
+      if (k == 3) moved.feature_direction_row(1, 2, 1.0F, 1, x, count, part.data());
+      CHECK(std::equal(part.begin(), part.end(), whole[k].begin() + x));
+    }
+  }
+}
+
+TEST_CASE("source: over many draws the directions have the covariances of the colour, channel by channel") {
+  OwnedFrame owned(1, 1, {});
+  const std::pair<const char*, float> values[] = {{"variance.R", 1.0F},      {"variance.G", 2.0F},
+                                                  {"variance.B", 3.0F},      {"covariance.R.G", 0.9F},
+                                                  {"covariance.R.B", -0.6F}, {"covariance.G.B", 0.8F}};
+  for (const auto& [name, value] : values) owned.at(name, 0, 0) = value;
+  const Source source(owned.frame(), inspect(owned.frame()));
+  constexpr int kDraws = 20000;
+  double sums[3][3] = {};
+  double following = 0;  // of a draw and the next
+  float before = 0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const Source moved = source.perturbed({7, draw, 0.5F});
+    float b[3];
+    for (std::size_t c = 0; c < 3; ++c) moved.direction_row(c, 0, 0, 1, &b[c]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) sums[i][j] += static_cast<double>(b[i]) * b[j] / kDraws;
+    }
+    following += static_cast<double>(b[0]) * before / kDraws;
+    before = b[0];
+  }
+  const double expected[3][3] = {{1.0, 0.9, -0.6}, {0.9, 2.0, 0.8}, {-0.6, 0.8, 3.0}};
+  const double bound = 4.0 * 3.0 / std::sqrt(kDraws);  // four standard errors of products of at most some 3
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) CHECK(std::abs(sums[i][j] - expected[i][j]) < bound);
+  }
+  CHECK(std::abs(following) < bound);
 }
 
 }  // namespace stein::test
