@@ -48,7 +48,7 @@ template <class Pick>
 void set_number(Filters& filters, const std::string& name, double value, const Pick& pick) {
   with_member(filters, name, pick, [&]<class Member>(Member& member) {
     if constexpr (std::same_as<Member, bool>) {
-      member = whole(name, value, 1) != 0;
+      member = yes_or_no(name, value);
     } else if constexpr (std::integral<Member>) {
       member = static_cast<Member>(whole(name, value));
     } else {

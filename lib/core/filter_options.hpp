@@ -51,6 +51,9 @@ Value choose(const std::string& name, const std::string& text, const std::array<
 /// @throws Error kInvalidArgument unless `value` is a whole number of [0..highest].
 [[nodiscard]] double whole(const std::string& name, double value, double highest = 1e6);
 
+/// @throws Error kInvalidArgument unless `value` is 0 or 1.
+[[nodiscard]] inline bool yes_or_no(const std::string& name, double value) { return whole(name, value, 1) == 1; }
+
 inline constexpr std::string_view kFeatureSigmaPrefix = "feature-sigma.";
 
 /// The feature that feature-sigma.<feature> is about; empty for other options.

@@ -267,7 +267,7 @@ HWY_INLINE void run_block(const CrossNlmRows& rows, std::ptrdiff_t x, int width)
 void CrossNlmRowsTarget(const CrossNlmRows& rows) {
   const bool is_usual_set = is_usual(rows.guides);
   for (int x = 0; x < rows.count; x += kNlmBlockWidth) {
-    const int width = std::min(kNlmBlockWidth, (rows.count - x + kMaxLanes - 1) / kMaxLanes * kMaxLanes);
+    const int width = std::min(kNlmBlockWidth, whole_vectors(rows.count - x));
     if (is_usual_set) {
       run_block<true>(rows, x, width);
     } else {

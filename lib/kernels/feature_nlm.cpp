@@ -36,7 +36,6 @@ struct FeatureTap {
   bool is_near = false;  // the neighbour's patch has the pixel in it
 };
 
-constexpr std::ptrdiff_t whole_vectors(int count) { return (count + kMaxLanes - 1) / kMaxLanes * kMaxLanes; }
 // Two more vectors: for the patches' rim, and so that fields do not share cache sets.
 constexpr std::ptrdiff_t line_of(int count) { return whole_vectors(count) + 2 * kMaxLanes; }
 
@@ -235,7 +234,7 @@ HWY_EXPORT(FeatureNlmRowsTarget);
 
 std::size_t feature_nlm_scratch(int count) noexcept {
   constexpr std::size_t kFields = 3 + 3 * kMostFeatureChannels;
-  const int line = (count + kMaxLanes - 1) / kMaxLanes * kMaxLanes + 2 * kMaxLanes;
+  const int line = whole_vectors(count) + 2 * kMaxLanes;
   return kFields * kFeatureNlmRows * static_cast<std::size_t>(line);
 }
 

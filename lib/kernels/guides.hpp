@@ -7,7 +7,13 @@
 
 namespace stein::kernels {
 
-inline constexpr int kMaxLanes = 16;          ///< rows are written in blocks of at most this many floats
+inline constexpr int kMaxLanes = 16;  ///< rows are written in blocks of at most this many floats
+
+/// `count` raised to whole blocks of kMaxLanes.
+[[nodiscard]] constexpr int whole_vectors(int count) noexcept {
+  return (count + kMaxLanes - 1) / kMaxLanes * kMaxLanes;
+}
+
 inline constexpr int kTapBatch = 4;           ///< a bank's taps come in batches; lists of taps are padded to it
 inline constexpr int kMaxGuideChannels = 32;  ///< feature channels (and the colour's, with a range term)
 inline constexpr int kMaxGuideGroups = 16;

@@ -348,7 +348,7 @@ HWY_INLINE void run_block(const LocalPolynomialRows& rows, std::ptrdiff_t x, int
 
 void LocalPolynomialRowsTarget(const LocalPolynomialRows& rows) {
   for (int x = 0; x < rows.weights.count; x += kNlmBlockWidth) {
-    run_block(rows, x, std::min(kNlmBlockWidth, (rows.weights.count - x + kMaxLanes - 1) / kMaxLanes * kMaxLanes));
+    run_block(rows, x, std::min(kNlmBlockWidth, whole_vectors(rows.weights.count - x)));
   }
 }
 

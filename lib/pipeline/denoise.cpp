@@ -36,7 +36,7 @@ exec::RowPipelineGeometry geometry_of(const Frame& frame, const Execution& execu
   geometry.width = frame.width;
   geometry.height = frame.height;
   const int width = execution.tile_width > 0 ? execution.tile_width : kDefaultTileWidth;
-  geometry.tile_width = (width + kernels::kMaxLanes - 1) / kernels::kMaxLanes * kernels::kMaxLanes;
+  geometry.tile_width = kernels::whole_vectors(width);
   geometry.tile_height = execution.tile_height > 0 ? execution.tile_height : kDefaultTileHeight;
   geometry.band_height = exec::band_height(geometry, threads, is_limited(execution));
   return geometry;

@@ -35,8 +35,6 @@ DensityRule density_rule_of(const std::string& name, const std::string& text) {
 
 int count_of(const std::string& name, double value) { return static_cast<int>(whole(name, value)); }
 
-bool yes_or_no(const std::string& name, double value) { return whole(name, value, 1) == 1; }
-
 std::uint64_t seed_of(const std::string& name, double value) {
   constexpr double kLargest = 9007199254740992.0;  // 2^53: a double has all whole numbers up to there
   return static_cast<std::uint64_t>(whole(name, value, kLargest));

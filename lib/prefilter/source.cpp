@@ -124,10 +124,15 @@ void Source::feature_covariance_row(std::size_t channel, std::size_t feature, st
     source.variance[k].read_row(y, x + start, part, vb);
     plane.read_row(y, x + start, part, out + start);
     kernels::bounded_covariance_row(out + start, va, vb, feature_scales_[feature] * factor, part, out + start);
-    if (feature_has_bad_[feature] == 0) continue;
-    feature_validity_row(source, y, x + start, part, va);
-    for (int i = 0; i < part; ++i) out[start + i] = va[i] != 0.0F ? out[start + i] : 0.0F;
+    clear_unusable_row(feature, y, x + start, part, out + start);
   }
+}
+
+void Source::clear_unusable_row(std::size_t feature, int y, int x, int count, float* values) const {
+  if (feature_has_bad_[feature] == 0) return;
+  float usable[kChunk];
+  feature_validity_row(frame_.features[feature], y, x, count, usable);
+  for (int i = 0; i < count; ++i) values[i] = usable[i] != 0.0F ? values[i] : 0.0F;
 }
 
 void Source::input_row(std::size_t channel, int y, int x, int count, float* mean, float* variance) const {

@@ -95,6 +95,8 @@ class Source {
                             float* out) const;
   /// From a change of the frame's colour to one of what the filters see.
   void scale_responses(int y, int x, int count, float* values) const;
+  /// Sets to 0 what is where the feature is unusable, of one part of a row.
+  void clear_unusable_row(std::size_t feature, int y, int x, int count, float* values) const;
   void group_variance_row(std::size_t feature, int y, int x, int count, float* out) const;
   void raise_variance_row(std::size_t feature, int y, int x, int count, float* variance) const;
   /// Calls visit(i, fill) for each pixel x + i of the row in which the feature is unusable.

@@ -16,10 +16,6 @@ namespace {
 constexpr int kChunk = FeatureHoles::kMostPixels;
 static_assert(kChunk % kernels::kMaxLanes == 0);
 
-constexpr int whole_vectors(int count) {
-  return (count + kernels::kMaxLanes - 1) / kernels::kMaxLanes * kernels::kMaxLanes;
-}
-
 std::uint64_t stream_of(const Perturbation& perturbation) {
   return mixed(perturbation.seed + kGoldenRatioBits * (static_cast<std::uint64_t>(perturbation.draw) + 1));
 }
@@ -81,15 +77,13 @@ class Source::Directions {
     row.variance = variance.value;
     row.result = out;
     kernels::along_row(row);
-    if (source_.feature_has_bad_[feature] == 0) return;
-    feature_validity_row(moved, y_, x_, count_, variance.value);
-    for (int i = 0; i < count_; ++i) out[i] = variance.value[i] != 0.0F ? out[i] : 0.0F;
+    source_.clear_unusable_row(feature, y_, x_, count_, out);
   }
 
  private:
   // Kernels read whole vectors: the rest of the last one is 0.
   struct alignas(64) Line {
-    explicit Line(int count) { std::fill(value + count, value + whole_vectors(count), 0.0F); }
+    explicit Line(int count) { std::fill(value + count, value + kernels::whole_vectors(count), 0.0F); }
     float value[kChunk];
   };
   using Lines = std::array<Line, 3>;
