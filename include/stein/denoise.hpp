@@ -106,7 +106,9 @@ struct DenoiseReport {
   std::vector<FilterShare> filters;     ///< one for each filter, then for each external candidate, in their order
   /// Mean over the pixels that have a usable colour of the estimated squared error, per channel, >= 0.
   std::array<double, 3> mean_error{};
-  double mean_relative_error = 0;     ///< the same of error / (result^2 + 0.01), over all channels
+  /// The same over all channels, relative to result^2 + 0.01 or, where that is more, to three times the error around:
+  /// what relMSE is expected to be (docs/risk.md).
+  double mean_relative_error = 0;
   std::vector<std::string> warnings;  ///< in words, for people
   std::vector<StageSeconds> stages;
   std::string instruction_set;     ///< of the kernels, such as "AVX3"

@@ -18,8 +18,9 @@ constexpr double kMostUnits = 0x1p62;      // of a sum, and as much again to spa
 constexpr double kUnitsPerSquare = 0x1p4;  // squares are mostly above 1, as many pixels are averaged
 constexpr float kMostRatio = 0x1p28F;      // whose square is summed
 constexpr std::int64_t kMostSquares = std::int64_t{1} << 61;  // sums stay there, whatever the order of their terms
-constexpr double kTogether = 2.0;                             // times the sum of squares: neighbours err together
-constexpr std::int64_t kFewestPixels = 64;                    // of what stands for itself
+constexpr double kUnitsPerWeight = 0x1p24;
+constexpr double kTogether = 2.0;     // times the sum of squares: neighbours err together
+constexpr double kFewestPixels = 64;  // of what stands for itself
 
 std::int64_t units(float risk, float most) noexcept {
   return static_cast<std::int64_t>(static_cast<double>(std::clamp(risk, -most, most)) * kUnitsPerRisk);
@@ -28,14 +29,16 @@ std::int64_t units(float risk, float most) noexcept {
 // Bins that are pooled.
 struct Pool {
   double error = 0;
+  double weight = 0;
   double pixels = 0;
   std::size_t bins = 0;
   void add(const Pool& other) {
     error += other.error;
+    weight += other.weight;
     pixels += other.pixels;
     bins += other.bins;
   }
-  [[nodiscard]] double mean() const { return error / pixels; }
+  [[nodiscard]] double mean() const { return weight > 0 ? error / weight : 0.0; }
 };
 
 }  // namespace
@@ -54,22 +57,23 @@ ErrorCalibration::ErrorCalibration(int slots, std::int64_t pixels)
     centres_[bin] = kLeast * std::exp2(static_cast<float>(bin) / kBinsPerOctave);
 }
 
-void ErrorCalibration::add(int slot, const float* predictor, const float* risk, const float* likely, const float* mask,
-                           int count) noexcept {
+void ErrorCalibration::add(int slot, const float* predictor, const float* risk, const float* likely,
+                           const float* weight, int count) noexcept {
   Table& table = tables_[static_cast<std::size_t>(slot)];
   for (int i = 0; i < count; ++i) {
-    if (mask[i] == 0.0F) continue;
+    if (weight[i] == 0.0F) continue;
     const auto bin = static_cast<std::size_t>(position(predictor[i]) + 0.5F);
-    const float ratio = std::min(std::abs(risk[i] - likely[i]) / centres_[bin], kMostRatio);
+    const float ratio = std::min(weight[i] * std::abs(risk[i] - likely[i]) / centres_[bin], kMostRatio);
     const auto square = static_cast<std::int64_t>(static_cast<double>(ratio) * ratio * kUnitsPerSquare);
     table.squares[bin] = std::min(table.squares[bin] + square, kMostSquares);
-    table.risk[bin] += units(risk[i], most_risk_);
-    table.likely[bin] += units(likely[i], most_risk_);
+    table.risk[bin] += units(weight[i] * risk[i], most_risk_);
+    table.likely[bin] += units(weight[i] * likely[i], most_risk_);
+    table.weight[bin] += static_cast<std::int64_t>(static_cast<double>(weight[i]) * kUnitsPerWeight);
     ++table.pixels[bin];
   }
 }
 
-// Sums over the pixels of each bin.
+// Weighted sums over the pixels of each bin.
 std::array<double, ErrorCalibration::kBins> ErrorCalibration::errors_of(const Table& sums, double evidence) const {
   std::array<double, kBins> errors{};
   double told = 0;
@@ -99,13 +103,15 @@ void ErrorCalibration::fit(double evidence) {
       all.risk[bin] += table.risk[bin];
       all.likely[bin] += table.likely[bin];
       all.squares[bin] = std::min(all.squares[bin] + table.squares[bin], kMostSquares);
+      all.weight[bin] += table.weight[bin];
       all.pixels[bin] += table.pixels[bin];
     }
   }
   const std::array<double, kBins> errors = errors_of(all, evidence);
   std::vector<Pool> pools;
   for (std::size_t bin = 0; bin < kBins; ++bin) {
-    Pool last = {errors[bin], static_cast<double>(all.pixels[bin]), 1};
+    Pool last = {errors[bin], static_cast<double>(all.weight[bin]) / kUnitsPerWeight,
+                 static_cast<double>(all.pixels[bin]), 1};
     // Pool adjacent violators.
     while (!pools.empty() &&
            (last.pixels < kFewestPixels || pools.back().pixels < kFewestPixels || pools.back().mean() >= last.mean())) {

@@ -18,9 +18,9 @@ class ErrorCalibration {
   /// `slots`: threads that may add at the same time; `pixels`: as many are added at most.
   ErrorCalibration(int slots, std::int64_t pixels);
 
-  /// Pixels of a row: their predictors (any numbers >= 0), relative risks and likely relative errors, where `mask` is
-  /// not 0. Sums are kept as integers, so that the order of the calls does not matter.
-  void add(int slot, const float* predictor, const float* risk, const float* likely, const float* mask,
+  /// Pixels of a row: their predictors (any numbers >= 0), relative risks and likely relative errors, and the weight of
+  /// each, 0 to 1, in all means. Sums are kept as integers, so that the order of the calls does not matter.
+  void add(int slot, const float* predictor, const float* risk, const float* likely, const float* weight,
            int count) noexcept;
 
   /// Fits: the mean errors of bins of the predictor, scaled so that their mean over all pixels lies between those of
@@ -38,6 +38,7 @@ class ErrorCalibration {
     std::array<std::int64_t, kBins> risk{};  // in units of 1 / kUnitsPerRisk
     std::array<std::int64_t, kBins> likely{};
     std::array<std::int64_t, kBins> squares{};  // of their difference over the bin's predictor, see kUnitsPerSquare
+    std::array<std::int64_t, kBins> weight{};   // in units of 1 / kUnitsPerWeight
     std::array<std::int64_t, kBins> pixels{};
   };
   static float position(float predictor) noexcept;

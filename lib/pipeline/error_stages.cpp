@@ -9,16 +9,20 @@
 #include "pipeline/layers.hpp"
 #include "pipeline/mean_error.hpp"
 #include "pipeline/relative_risk.hpp"
+#include "pipeline/surroundings.hpp"
 #include "risk/sure.hpp"
 
 namespace stein {
 namespace {
 
-const std::vector<int> kErrorSteps = {1, 2, 4};
+constexpr std::array kErrorSteps = {1, 2, 4};
+// What the last pass is behind the first stage, its ring still has.
+static_assert(kSurroundings <= GuidedPass::kRadius * kErrorSteps.back());
 constexpr float kSmoothingSigmaScale = 2.0F;  // of the features: each pass weighs edges anew
 constexpr int kNoiseMap = 3;                  // after the predictors of the channels
-constexpr int kLikelyErrors = 3;              // after the relative risks
-constexpr std::size_t kLines = 6;
+constexpr int kLikelyErrors = 3;              // after the risks
+constexpr float kErrorsAround = 3.0F;         // that a relative error is relative to at least
+constexpr std::size_t kLines = 6;             // tiles are wide enough for 5 to hold one that goes beyond
 constexpr int kArea = 32;  // px: the units of the means' standard errors, wide enough for neighbours that err together
 constexpr int kBlocksOfArea = kArea / kSumBlock;
 static_assert(kArea % kSumBlock == 0);
@@ -83,17 +87,14 @@ void ErrorStages::assess(const Rect& tile, int slot) {
 }
 
 // The mixture of the filtered picture, with what outliers lost, and the input that `strength` t says; its risk; and its
-// error if that of the filtered picture is L: t^2 L + 2 t (1 - t) D + (1 - t)^2 v.
+// error if that of the filtered picture is D: t^2 D + 2 t (1 - t) D + (1 - t)^2 v.
 void ErrorStages::assess_row(const Rect& tile, int y, float* lines) {
   const int n = tile.width();
   const auto line = [&](int i) { return lines + i * geometry_.tile_width; };
   float* mean = line(0);
   float* variance = line(1);
   float* D = line(2);
-  float* likely = line(3);
-  float* own = line(4);
-  float* mask = line(5);
-  source_.mask_row(y, tile.x0, n, mask);
+  float* own = line(3);
   const float strength = params_.strength;
   for (int c = 0; c < 3; ++c) {
     const auto channel = static_cast<std::size_t>(c);
@@ -108,22 +109,15 @@ void ErrorStages::assess_row(const Rect& tile, int y, float* lines) {
     }
     energy_.add_colour(c, y, tile.x0, n, strength, F);
     energy_.add_divergence(c, y, tile.x0, n, 1.0F, own);
+    float* likely = risks_.row(kLikelyErrors + c, y) + tile.x0;
     for (int i = 0; i < n; ++i) {
       D[i] = strength * own[i] + (1.0F - strength) * variance[i];
-      likely[i] = strength * (strength * likely_error(own[i], variance[i]) + (1.0F - strength) * own[i]) +
-                  (1.0F - strength) * D[i];
+      likely[i] = strength * own[i] + (1.0F - strength) * D[i];
     }
     float* risk = risks_.row(c, y) + tile.x0;
     sure_row(F, D, mean, variance, n, risk);
-    add_to_means(tile, c, y, mask, F, likely, risk);
-    float* relative_likely = risks_.row(kLikelyErrors + c, y) + tile.x0;
     float* predictor = predictors_.row(c, y) + tile.x0;
-    for (int i = 0; i < n; ++i) {
-      const float weight = 1.0F / (F[i] * F[i] + kRelativeEpsilon);
-      risk[i] *= weight;
-      relative_likely[i] = likely[i] * weight;
-      predictor[i] = std::max(D[i], 0.0F) * weight;
-    }
+    for (int i = 0; i < n; ++i) predictor[i] = std::max(D[i], 0.0F) / (F[i] * F[i] + kRelativeEpsilon);
     if (predictors_.count > kNoiseMap) {
       float* noise = predictors_.row(kNoiseMap, y) + tile.x0;
       if (c == 0) std::fill_n(noise, n, 0.0F);
@@ -132,38 +126,67 @@ void ErrorStages::assess_row(const Rect& tile, int y, float* lines) {
   }
 }
 
-// Of pixels that were measured: of a filled one there is nothing that its value could be compared with.
-void ErrorStages::add_to_means(const Rect& tile, int channel, int y, const float* mask, const float* F,
-                               const float* likely, const float* risk) {
-  Sums* sums = sums_[static_cast<std::size_t>(channel)].data() + row_start(y);
-  for (int i = 0; i < tile.width(); ++i) {
-    if (mask[i] == 0.0F) continue;
-    Sums& block = sums[(tile.x0 + i) / kSumBlock];
-    const double weight = 1.0 / (static_cast<double>(F[i]) * F[i] + kRelativeEpsilon);
-    block.risk += risk[i];
-    block.likely += likely[i];
-    block.relative_risk += risk[i] * weight;
-    block.relative_likely += likely[i] * weight;
-  }
-}
-
 // The predictors wait in the planes of the error for calibrate().
 void ErrorStages::collect(const Rect& tile, int slot) {
   const int n = tile.width();
-  float* mask = lines_of(slot);
   for (int y = tile.y0; y < tile.y1; ++y) {
-    source_.mask_row(y, tile.x0, n, mask);
     for (int c = 0; c < 3; ++c) {
-      const auto channel = static_cast<std::size_t>(c);
-      const float* predictor = smooth_predictors_.row(c, y) + tile.x0;
-      calibrations_[channel].add(slot, predictor, risks_.row(c, y) + tile.x0,
-                                 risks_.row(kLikelyErrors + c, y) + tile.x0, mask, n);
-      std::copy_n(predictor, n, result_.error[channel].row(y) + tile.x0);
+      collect_row(tile, c, y, slot);
+      std::copy_n(smooth_predictors_.row(c, y) + tile.x0, n,
+                  result_.error[static_cast<std::size_t>(c)].row(y) + tile.x0);
     }
     if (params_.density.rule == DensityRule::kAllSamples) {
       all_samples_row(source_, tile, y, smooth_predictors_.row(kNoiseMap, y) + tile.x0, lines_of(slot),
                       result_.density.row(y) + tile.x0);
     }
+  }
+}
+
+// Sums of pixels that were measured: of a filled one there is nothing that its value could be compared with.
+void ErrorStages::collect_row(const Rect& tile, int channel, int y, int slot) {
+  const int n = tile.width();
+  float* weight = lines_of(slot);
+  float* relative_risk = weight + geometry_.tile_width;
+  float* relative_likely = relative_risk + geometry_.tile_width;
+  float* scratch = relative_likely + geometry_.tile_width;
+  const auto c = static_cast<std::size_t>(channel);
+  const float* F = result_.colour[c].row(y) + tile.x0;
+  const float* risk = risks_.row(channel, y) + tile.x0;
+  const float* likely = risks_.row(kLikelyErrors + channel, y) + tile.x0;
+  weigh_row(tile, channel, y, weight, scratch);
+  Sums* sums = sums_[c].data() + row_start(y);
+  for (int i = 0; i < n; ++i) {
+    const float square = F[i] * F[i] + kRelativeEpsilon;
+    relative_risk[i] = risk[i] / square;
+    relative_likely[i] = likely[i] / square;
+    if (weight[i] == 0.0F) continue;
+    Sums& block = sums[(tile.x0 + i) / kSumBlock];
+    block.risk += risk[i];
+    block.likely += likely[i];
+    block.relative_risk += static_cast<double>(weight[i]) * relative_risk[i];
+    block.relative_likely += static_cast<double>(weight[i]) * relative_likely[i];
+  }
+  calibrations_[c].add(slot, smooth_predictors_.row(channel, y) + tile.x0, relative_risk, relative_likely, weight, n);
+}
+
+// How much an error relative to F^2 + 0.01 counts: as if it were relative to 3 d where that is more, d the error that
+// is likely around. relMSE is relative to the square of the truth, which is F^2 give or take that error: at the rims of
+// lamps, where F is now and then too dark by more than it has, F^2 alone would have a few pixels count many times. The
+// pixel's own noise has no say, or those with little of it would count more. 0 of filled pixels.
+void ErrorStages::weigh_row(const Rect& tile, int channel, int y, float* weight, float* scratch) {
+  const int n = tile.width();
+  std::array<const float*, 2 * kSurroundings + 1> rows{};
+  int count = 0;
+  for (int near = std::max(y - kSurroundings, 0); near <= std::min(y + kSurroundings, geometry_.height - 1); ++near)
+    rows[static_cast<std::size_t>(count++)] = risks_.row(kLikelyErrors + channel, near);
+  float* around = scratch;
+  mean_around_row({rows.data(), count, geometry_.width}, risks_.row(kLikelyErrors + channel, y), tile.x0, n,
+                  scratch + geometry_.tile_width, around);
+  const float* F = result_.colour[static_cast<std::size_t>(channel)].row(y) + tile.x0;
+  source_.mask_row(y, tile.x0, n, weight);
+  for (int i = 0; i < n; ++i) {
+    const float square = F[i] * F[i] + kRelativeEpsilon;
+    weight[i] *= square / std::max(square, kErrorsAround * around[i]);
   }
 }
 

@@ -50,9 +50,9 @@ class ErrorStages {
   void add_passes();
   void assess(const Rect& tile, int slot);
   void assess_row(const Rect& tile, int y, float* lines);
-  void add_to_means(const Rect& tile, int channel, int y, const float* mask, const float* F, const float* likely,
-                    const float* risk);
   void collect(const Rect& tile, int slot);
+  void collect_row(const Rect& tile, int channel, int y, int slot);
+  void weigh_row(const Rect& tile, int channel, int y, float* weight, float* scratch);
   [[nodiscard]] std::vector<double> area_pixels(int row) const;
   [[nodiscard]] double report_means();
   [[nodiscard]] std::size_t row_start(int y) const noexcept {
@@ -71,7 +71,7 @@ class ErrorStages {
   int blocks_;  // of kSumBlock pixels in a row
   DenoiseResult& result_;
   std::vector<std::unique_ptr<exec::RowRing>> rings_;
-  MapRows risks_;                               // relative, per channel; and the likely relative errors
+  MapRows risks_;                               // per channel; and the likely errors
   MapRows predictors_;                          // of the error, per channel; and the noise where the density wants it
   MapRows smooth_predictors_;                   // the same, smoothed
   std::vector<ErrorCalibration> calibrations_;  // per channel

@@ -8,7 +8,7 @@ namespace stein {
 namespace {
 
 // Standard deviation of the error around what is likely, relative to that: the mixture is not quite the best, and D has
-// noise and a bias of its own. Chosen near the 18 % that docs/risk.md has of good filters and bad, for the good ones.
+// noise and a bias of its own. Chosen near what D and the error of good filters differ by (docs/risk.md).
 constexpr double kDeviation = 0.15;
 // What lies more standard errors away from it counts whatever D is, the more the farther: a picture can be a bad one.
 constexpr double kCertain = 3.0;

@@ -6,20 +6,12 @@
 // term D of the mixture F is known to a few percent, and is its error where F is as good as mixing with the input can
 // make it: with x the truth, the derivative of E|F + s (y - F) - x|^2 at s = 0 is 2 (E D - E|F - x|^2), which is 0 at
 // the best share of the input and not below 0 where the best has none: the error is D, or somewhat less. So R is
-// believed as far as its noise allows, and what is likely by D for the rest.
+// believed as far as its noise allows, and D, which is likely, for the rest.
 #pragma once
 
 #include <algorithm>
 
 namespace stein {
-
-/// The error that is likely of a mixture by its D and the input's variance: D itself of the input, and less the less of
-/// it there is. Chosen near the 0.92 D of 30 renders of 8 and 32 samples (docs/risk.md).
-inline float likely_error(float D, float variance) noexcept {
-  constexpr float kLeastShare = 0.9F;
-  const float input = variance > 0.0F ? std::clamp(D / variance, 0.0F, 1.0F) : 1.0F;
-  return (kLeastShare + (1.0F - kLeastShare) * input) * D;
-}
 
 /// How far a mean error goes from what a good picture has to R, 0 to 1. `risk`, `likely`: sums of both; `noise`: the
 /// variance of their difference.

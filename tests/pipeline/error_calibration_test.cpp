@@ -71,6 +71,18 @@ TEST_CASE("error calibration: ascends, and is not below 0") {
   CHECK(calibration.error(1e30F) == Approx(6.0));
 }
 
+TEST_CASE("error calibration: a pixel counts with its weight") {
+  ErrorCalibration calibration(1, 1000);
+  for (int i = 0; i < 500; ++i) {
+    const float predictors[] = {0.5F, 0.5F};
+    const float errors[] = {1.0F, 4.0F};
+    const float weights[] = {0.75F, 0.25F};
+    calibration.add(0, predictors, errors, errors, weights, 2);
+  }
+  calibration.fit(1.0);
+  CHECK(calibration.error(0.5F) == Approx(1.75));
+}
+
 TEST_CASE("error calibration: in the mean it lies between the likely error and the risk as the evidence says") {
   Pixels pixels;
   for (int i = 0; i < 3000; ++i) pixels.add(0.01F, i % 2 == 0 ? -4.0F : 8.0F, i % 2 == 0 ? -1.0F : 2.0F);

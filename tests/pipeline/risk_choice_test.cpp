@@ -146,7 +146,7 @@ TEST_CASE("risk: joint and Monte Carlo agree on the estimated error of a whole r
   CHECK(estimated[2] == Approx(estimated[1]).epsilon(0.15));
 }
 
-TEST_CASE("risk: the error of a chosen result is right on average, though the choice makes use of its noise") {
+TEST_CASE("risk: the error of a chosen result allows for what the choice makes of its noise") {
   NoisyScene scene({.feature_noise = true, .seed = 23});
   DenoiseParams params;
   params.filters = {CrossBilateralParams{}};
@@ -168,7 +168,9 @@ TEST_CASE("risk: the error of a chosen result is right on average, though the ch
       }
     }
   }
-  CHECK(estimated / truth == Approx(1.0).epsilon(0.02));  // 0.965 if nothing is added for the choice
+  // One area: next to nothing but the divergence counts, which is a little more than the error. 0.995 if nothing is
+  // added for the choice.
+  CHECK(estimated / truth == Approx(1.025).epsilon(0.015));
 }
 
 }  // namespace stein::test
