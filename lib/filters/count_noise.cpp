@@ -28,8 +28,7 @@ struct CountNoise::Count {
 CountNoise::CountNoise(const Source& source, const GuideRows& guides, int width)
     : source_(source),
       guides_(guides),
-      pitch_((width + kernels::kMaxLanes - 1) / kernels::kMaxLanes * kernels::kMaxLanes +
-             kernels::kMaxLanes),  // lines do not share cache sets
+      pitch_(kernels::whole_vectors(width) + kernels::kMaxLanes),  // lines do not share cache sets
       lines_(guides.planes() + kSingleLines) {}
 
 CountNoise::Less CountNoise::less(float* scratch) const {
